@@ -426,7 +426,7 @@ reports::ReportData run_fit_job(const FitJob& job) {
   }
   std::vector<datasets::Impact> impacts;
   std::vector<std::string> hashes;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = rig.remarks;
   for (const std::string& path : job.recordings) {
     if (!job.common.quiet) fmt::print(stderr, "reading {}\n", path);
     datasets::Record record = conditioned_recording(path, job, rig, options);

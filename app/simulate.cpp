@@ -224,6 +224,7 @@ void simulate(const Options& options) {
     if (rig.displacement) request.history.displacement_position = rig.displacement->position;
   }
   models::Simulation simulation = models::simulate(rig.rig, rig.solver, request);
+  simulation.warnings.insert(simulation.warnings.begin(), rig.remarks.begin(), rig.remarks.end());
   if (options.small_motion) tell_asked_motion(rig.solver, simulation);
   tell_sensitivities(simulation, request, options.sensitivities == "all", sensitivities);
   if (!chosen.sentence.empty())

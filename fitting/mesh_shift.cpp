@@ -34,10 +34,11 @@ constexpr double least_beyond = 1.1, most_beyond = 3.0;
 /// From what a mesh half as fine would change: errors are taken to fall on as they fell. Lengths
 /// are of what the unknowns follow of the residuals' change.
 double error_beyond(const FitProblem& problem, const FitEnd& end) {
-  const auto change_of = [](const Shot& shot) -> Eigen::VectorXd {
-    return shot.cost->change(*shot.model, *shot.model->halved()).differences;
+  const models::Rig& rig = problem.rig().rig;
+  const auto change_of = [&rig](const Shot& shot) -> Eigen::VectorXd {
+    return shot.cost->change(*shot.model, *shot.model->halved(rig)).differences;
   };
-  if (!problem.shots().front().model->halved()) return least_beyond;
+  if (!problem.shots().front().model->halved(rig)) return least_beyond;
   const double finer = (end.jacobian * end.mesh_shift).norm();
   const double coarser = (end.jacobian * shift_by(change_of, problem, end)).norm();
   if (!(finer < coarser)) return finer > 0.0 ? most_beyond : least_beyond;

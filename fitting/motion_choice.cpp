@@ -54,7 +54,7 @@ double most_shift_by_neglect(const FitProblem& problem, const FitEnd& end,
 /// By what both equations differ on the fit's mesh or a coarse one.
 double seen_shift(const FitProblem& problem, const FitEnd& end, bool coarse) {
   const auto change = [&](const Shot& shot) -> Eigen::VectorXd {
-    const ShotModel small = coarse ? shot.model->coarser() : *shot.model;
+    const ShotModel small = coarse ? shot.model->coarser(problem.rig().rig) : *shot.model;
     ShotModel full = small;
     full.set_motion(models::Motion::full);
     return shot.cost->change(coarse ? small : *shot.model, full).differences;

@@ -17,6 +17,7 @@
 #include "fitting/conditioning_keys.hpp"
 #include "fitting/fit_keys.hpp"
 #include "fitting/rig_file_contact.hpp"
+#include "fitting/rig_file_remarks.hpp"
 #include "fitting/sensor_keys.hpp"
 #include "fitting/toml_reader.hpp"
 #include "models/mesh_error.hpp"
@@ -514,6 +515,7 @@ RigFile parse_rig_file(const std::string& text, const std::string& path,
   file.conditioning = read_steps(root, file.mains_frequency);
   if (auto fit = root.table("fit")) file.fit = read_fit(*fit);
   root.finish();
+  file.remarks = remarks_on(document, file);
   try {
     models::validate(file.rig, file.solver);
   } catch (const std::invalid_argument& error) {

@@ -24,7 +24,8 @@ struct RigFile {
   models::Rig rig;
   /// Numbers that further stops have as [contact] has them: "contacts.1.restitution".
   std::vector<std::string> inherited = {};
-  std::vector<Section<>> sections;  ///< of the bar's segments, of a uniform bar its only one
+  std::vector<std::string> remarks = {};  ///< of what is stated in vain, or twice
+  std::vector<Section<>> sections;        ///< of the bar's segments, of a uniform bar its only one
   models::Solver solver;
   bool mesh_stated = false;  ///< the file names elements, or a model without
   bool mesh_chosen = false;  ///< by choose_mesh(): a fit may take a finer one

@@ -117,8 +117,8 @@ ShotModel ShotModel::finer() const {
   return model;
 }
 
-std::optional<ShotModel> ShotModel::halved() const {
-  const std::optional<models::Solver> solver = models::halved(solver_);
+std::optional<ShotModel> ShotModel::halved(const models::Rig& rig) const {
+  const std::optional<models::Solver> solver = models::halved(rig, solver_);
   if (!solver) return std::nullopt;
   ShotModel model = *this;
   model.solver_ = *solver;
@@ -126,9 +126,9 @@ std::optional<ShotModel> ShotModel::halved() const {
   return model;
 }
 
-ShotModel ShotModel::coarser() const {
+ShotModel ShotModel::coarser(const models::Rig& rig) const {
   ShotModel model = *this;
-  model.solver_ = models::coarsened(solver_);
+  model.solver_ = models::coarsened(rig, solver_);
   model.bars_ = std::make_shared<models::BarCache>();
   return model;
 }

@@ -89,8 +89,8 @@ class ShotModel {
 
   ShotModel finer() const;  ///< the same with twice the elements or modes
   /// With half of them, where there is such a mesh (models::halved).
-  std::optional<ShotModel> halved() const;
-  ShotModel coarser() const;  ///< the same with few (models::coarsened)
+  std::optional<ShotModel> halved(const models::Rig& rig) const;
+  ShotModel coarser(const models::Rig& rig) const;  ///< the same with few (models::coarsened)
 
   /// Sensors as the rig file describes them.
   const SensorChains& chains() const { return chains_; }

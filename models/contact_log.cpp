@@ -185,7 +185,8 @@ void ContactLog::tell_tension() {
                     "touch; the force was kept at zero while it would. contact.tension = "
                     "\"allow\" lets it pull.",
                     slack_, first_slack_));
-  if (lowest_force_ < 0.0)
+  constexpr double rounding = 1e-9;  // of the largest force, where a law goes to zero
+  if (lowest_force_ < -rounding * result_.peak_force)
     result_.warnings.push_back(
         fmt::format("the contact pulls with up to {:.4g} N, {:.4g} s after touch, as "
                     "contact.tension = \"allow\" has it.",

@@ -283,28 +283,36 @@ Solver refined(const Solver& solver) {
   return finer;
 }
 
-std::optional<Solver> halved(const Solver& solver) {
+namespace {
+
+/// Whether half the elements are whole ones, and enough for where the bar changes.
+bool can_be_halved(const Rig& rig, const std::array<int, 2>& elements) {
+  const std::array<int, 2> fewest = fewest_elements(rig.beam, rig.contact.position);
+  return elements[0] % 2 == 0 && elements[1] % 2 == 0 && elements[0] / 2 >= fewest[0] &&
+         elements[1] / 2 >= fewest[1];
+}
+
+}  // namespace
+
+std::optional<Solver> halved(const Rig& rig, const Solver& solver) {
   constexpr int fewest_modes = 2;
   Solver coarser = solver;
   coarser.elements = {solver.elements[0] / 2, solver.elements[1] / 2};
   coarser.modes = solver.modes / 2;
   coarser.axial_modes = solver.axial_modes / 2;
-  const bool even = solver.elements[0] % 2 == 0 && solver.elements[1] % 2 == 0;
-  if (solver.model == BeamModel::ancf && even) return coarser;
+  if (solver.model == BeamModel::ancf && can_be_halved(rig, solver.elements)) return coarser;
   if (solver.model == BeamModel::hybrid && coarser.modes >= fewest_modes) return coarser;
   return std::nullopt;
 }
 
-Solver coarsened(const Solver& solver) {
+Solver coarsened(const Rig& rig, const Solver& solver) {
   constexpr int few_modes = 4, few_elements = 16;
   Solver coarser = solver;
   coarser.modes = std::min(solver.modes, few_modes);
   coarser.axial_modes = 0;
-  auto& [before, beyond] = coarser.elements;
-  while (before + beyond > few_elements && before % 2 == 0 && beyond % 2 == 0) {
-    before /= 2;
-    beyond /= 2;
-  }
+  std::array<int, 2>& elements = coarser.elements;
+  while (elements[0] + elements[1] > few_elements && can_be_halved(rig, elements))
+    elements = {elements[0] / 2, elements[1] / 2};
   return coarser;
 }
 

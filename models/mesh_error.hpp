@@ -12,13 +12,14 @@ namespace impactrig::models {
 /// Twice the elements or modes; the same for a rigid bar.
 Solver refined(const Solver& solver);
 
-/// Half the elements or modes; none where a number of elements is odd or little would be left, and
-/// of a rigid bar.
-std::optional<Solver> halved(const Solver& solver);
+/// Half the elements or modes; none where a number of elements is odd, little would be left or too
+/// few for where the bar changes, and of a rigid bar.
+std::optional<Solver> halved(const Rig& rig, const Solver& solver);
 
-/// At most 4 modes, axial_modes none, or 16 elements where both parts can be divided alike: enough
-/// for what a rotation does that is large, or a comparison of two equations of motion.
-Solver coarsened(const Solver& solver);
+/// At most 4 modes, axial_modes none, or 16 elements where both parts can be divided alike and the
+/// bar does not need more: enough for what a rotation does that is large, or a comparison of two
+/// equations of motion.
+Solver coarsened(const Rig& rig, const Solver& solver);
 
 /// By two runs to the end of the first contact that is more than a graze (2 % of the largest
 /// force), whole ones where the stop gives way and its sensor's largest force is known: as small

@@ -32,6 +32,8 @@ constexpr double safety = 3.0, safety_of_giving_stop = 6.0, share_of_shortening 
 // 3 times the largest strain, one, whose strain is 0.003, by 4.
 constexpr double share_of_strain = 0.5, share_of_uneven_strain = 3.0;
 constexpr double safety_of_friction = 4.0;
+// Last bits of where a load holds the modes, which add up over the steps.
+constexpr double roundings_of_load = 16.0;
 // Without it what vibration is said to change was 0.75 times to hundreds of times what it changed.
 constexpr double safety_of_vibration = 2.0;
 // Of the accuracy. Energy of fourth order that is such a part of all moves forces by some four
@@ -243,8 +245,18 @@ double SmallMotionRun::neglected(const Simulation& result) const {
   return growth * ((rig_.stop ? safety_of_giving_stop : safety) * missing_terms(terms, result) +
                    share_of_shortening * terms.shortening()) +
          (uneven ? share_of_uneven_strain : share_of_strain) * steady_strain(rig_, solver_, rate) +
-         bar_->modes().rounding() + safety_of_friction * missing_friction(rig_, result) +
-         of_swing(result) + left_out_;
+         bar_->modes().rounding() + rounding_of_load(result) +
+         safety_of_friction * missing_friction(rig_, result) + of_swing(result) + left_out_;
+}
+
+/// What rounding may leave of the first contact: displacements are what the modes are off where a
+/// steady load holds them, and where that is, which may be far more than the contact is deep.
+double SmallMotionRun::rounding_of_load(const Simulation& result) const {
+  const ModalLoad& load = motion_.load();
+  if (!load.acts() || result.episodes.empty()) return 0.0;
+  const double held = load.held().cwiseAbs().dot(bar_->modes().struck().cwiseAbs());
+  return roundings_of_load * std::numeric_limits<double>::epsilon() * held /
+         result.episodes.front().max_penetration;
 }
 
 /// What is left out of how the bar arrives.

@@ -73,6 +73,7 @@ class SmallMotionRun {
   bool promises(double accuracy) const;
   double neglected(const Simulation& result) const;
   double of_swing(const Simulation& result) const;
+  double rounding_of_load(const Simulation& result) const;
   void find_left_out(const Simulation& result);
   void tell_taken(Simulation& result) const;
 

@@ -237,5 +237,26 @@ TEST(RigFile, APlaneMayStateItsDepth) {
             std::string::npos);
 }
 
+TEST(RigFileRemarks, AreOfWhatIsStatedInVain) {
+  const auto remarks = [](const std::vector<Override>& overrides) {
+    return parse_rig_file(tests::paper_rig, "rig.toml", overrides).remarks;
+  };
+  EXPECT_THAT(remarks({}), testing::IsEmpty());
+  EXPECT_THAT(remarks({{"contact.damping", "none"}}),
+              testing::ElementsAre("contact.restitution has no effect: its damping is \"none\""));
+  EXPECT_THAT(
+      remarks({{"contact.damping", "viscous"}, {"contact.viscous", "100 N.s/m"}}),
+      testing::ElementsAre("contact.restitution has no effect: its damping is that of `viscous`"));
+  EXPECT_THAT(remarks({{"contact.damping", "kuwabara-kono"},
+                       {"contact.relaxation_time", "5 us"},
+                       {"contact.restitution_speed", "0.1 m/s"}}),
+              testing::ElementsAre(testing::HasSubstr("contact.restitution has no effect"),
+                                   testing::HasSubstr("contact.restitution_speed has no effect")));
+  EXPECT_THAT(remarks({{"contact.law", "johnson"}, {"contact.exponent", "3"}}),
+              testing::ElementsAre("contact.exponent has no effect: the law \"johnson\" has none"));
+  EXPECT_THAT(remarks({{"stop", "{ mass = \"50 g\", stiffness = \"2e8 N/m\" }"}}),
+              testing::ElementsAre(testing::HasSubstr("counts besides [stop]")));
+}
+
 }  // namespace
 }  // namespace impactrig::tests

@@ -508,4 +508,18 @@ TEST(MeshError, OfShapesWithoutShearIsTwiceWhatTwiceAsManyChange) {
   }
 }
 
+// Elements end where the bar changes: half of [14, 2] lacks one beyond a step behind the stop.
+TEST(HalvedMesh, IsNoneWithTooFewElementsForTheBarsSteps) {
+  Rig rig = paper_rig();
+  EXPECT_EQ(halved(rig, ancf(14, 2, 1e-6, 1e-3))->elements, (std::array{7, 1}));
+  const BeamSegment whole{
+      .length = 0.8, .area = rig.beam.area, .second_moment = rig.beam.second_moment};
+  rig.beam.segments = {whole, whole};
+  rig.beam.segments[0].length = 0.7;
+  rig.beam.segments[1].length = 0.1;
+  EXPECT_EQ(halved(rig, ancf(14, 2, 1e-6, 1e-3)), std::nullopt);
+  EXPECT_EQ(halved(rig, ancf(14, 4, 1e-6, 1e-3))->elements, (std::array{7, 2}));
+  EXPECT_EQ(coarsened(rig, ancf(28, 4, 1e-6, 1e-3)).elements, (std::array{14, 2}));
+}
+
 }  // namespace
