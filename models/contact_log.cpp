@@ -110,14 +110,16 @@ void ContactLog::separate(int stop, double t, double speed, const ContactTotals&
 }
 
 /// The mean speed by which the first contact closed, weighted by its force: what went into it by
-/// its greatest depth, over the impulse until then.
+/// its greatest depth, over the impulse until then. Damping that is too great for a push holds that
+/// speed down: then the speed that the energy would have.
 void ContactLog::note_push(int stop, const ContactForce& contact) {
   const auto& [number, at_start, at_deepest, slack] = last(stop);
   const double impulse = at_deepest.impulse - at_start.impulse;
   if (number > 0 || !contact.takes_own_speed() || !(impulse > 0.0)) return;
-  pushed_at_ = (contact.stored(result_.episodes[number].max_penetration) + at_deepest.dissipated -
-                at_start.dissipated) /
-               impulse;
+  const double energy = contact.stored(result_.episodes[number].max_penetration) +
+                        at_deepest.dissipated - at_start.dissipated;
+  pushed_at_ = energy / impulse;
+  worth_ = std::sqrt(2.0 * energy / rig_.effective_mass(0));
 }
 
 StopTotals ContactLog::sum_up(int stop) const {
@@ -215,13 +217,21 @@ void ContactLog::tell_grazing() {
 
 void ContactLog::tell_push() {
   constexpr double much_faster = 3.0;
-  if (result_.episodes.empty() || !(pushed_at_ > much_faster * first_speed())) return;
+  if (result_.episodes.empty()) return;
+  const bool faster = pushed_at_ > much_faster * first_speed();
+  if (!faster && !(worth_ > much_faster * first_speed())) return;
+  const std::string push =
+      faster ? fmt::format("is then closed at {:.3g} m/s on the average, by what presses the bar",
+                           pushed_at_)
+             : fmt::format(
+                   "then takes as much energy as one at {:.3g} m/s has, from what presses "
+                   "the bar",
+                   worth_);
   result_.warnings.push_back(
-      fmt::format("the first contact begins at {:.3g} m/s and is then closed at {:.3g} m/s on the "
-                  "average, by what presses the bar: its damping divides by the former, and all "
-                  "forces depend on that. State contact.restitution_speed, or take a law with a "
-                  "dashpot.",
-                  first_speed(), pushed_at_));
+      fmt::format("the first contact begins at {:.3g} m/s and {}: its damping divides by the "
+                  "former, and all forces depend on that. State contact.restitution_speed, or take "
+                  "a law with a dashpot.",
+                  first_speed(), push));
 }
 
 void close_audit(const Rig& rig, double begun, const BeamEnergy& energy, const RigidPart& rigid,

@@ -90,9 +90,9 @@ class ContactLog {
   double energy_at_touch_ = 0.0;
   std::vector<Last> last_;  // of each stop
   long grazing_ = 0;
-  double pushed_at_ = 0.0;    // [m/s]
-  std::size_t slack_ = 0;     // episodes in which the laws would have pulled
-  double first_slack_ = 0.0;  // when first [s]
+  double pushed_at_ = 0.0, worth_ = 0.0;  // [m/s]
+  std::size_t slack_ = 0;                 // episodes in which the laws would have pulled
+  double first_slack_ = 0.0;              // when first [s]
   double lowest_force_ = 0.0, lowest_at_ = 0.0;
 };
 

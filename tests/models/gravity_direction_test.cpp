@@ -202,6 +202,19 @@ TEST(GravityDirection, TellsWhereThePushIsNotTheTouch) {
   rig.contact.restitution_speed = 0.05;
   EXPECT_EQ(told(), "");
   rig.contact.restitution_speed.reset();
+  // overdamped, the weight sinks it slowly to where the spring holds it: W² / 2k stored, and as much
+  // taken by the damping
+  rig.contact.restitution = 0.5;
+  rig.start.velocity = 1e-5;
+  solver.accuracy = 1e-5;
+  solver.duration = 200.0;
+  const std::string begins =
+      "the first contact begins at 1e-05 m/s and then takes as much energy as one at ";
+  const std::string overdamped = told();
+  ASSERT_THAT(overdamped, testing::StartsWith(begins));
+  const double weight = 0.69 * unit * mass;
+  EXPECT_NEAR(std::stod(overdamped.substr(begins.size())) / (weight / std::sqrt(2e4 * mass)),
+              std::numbers::sqrt2, 0.03);
   rig.start.velocity = 0.05;
   EXPECT_EQ(told(), "");
 }
