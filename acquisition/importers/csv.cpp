@@ -154,6 +154,8 @@ struct CsvHead {
           !commas.empty())
         record.warnings.push_back(std::move(commas));
     tell_of_times(heads, roles, record);
+    if (const std::string above = table_above(file, layout); !above.empty())
+      record.warnings.push_back(above);
     if (const std::string rest = what_follows(file, layout); !rest.empty())
       record.warnings.push_back(rest);
     if (const std::string cut = cut_number(file, layout); !cut.empty())

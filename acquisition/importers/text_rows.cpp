@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -161,7 +162,8 @@ void RowReader::read_line() {
 bool RowReader::pass_over_repeated_head() {
   constexpr int most_lines = 16;
   const auto begins_words = [](char c) {
-    return c == '"' || (static_cast<unsigned char>(c) | 0x20U) >= 'a';
+    return c == '"' || std::isalpha(static_cast<unsigned char>(c)) != 0 ||
+           static_cast<unsigned char>(c) >= 0x80;
   };
   if (last_of_head_.empty() || !begins_words(*at_) || !begins_words(last_of_head_.front()))
     return false;
@@ -434,6 +436,14 @@ std::string what_follows(TextFile& file, const TableLayout& layout) {
   if (has_only_empty_cells(line, delimiter)) return {};
   return fmt::format("no rows follow at {}: '{}' and what comes behind it is left out",
                      file.position(line.data()).text(), to_utf8(trimmed(line).substr(0, 40)));
+}
+
+std::string table_above(const TextFile& file, const TableLayout& layout) {
+  if (layout.table_above.empty()) return {};
+  return fmt::format(
+      "of several tables the one of most rows is read: that from {} on ('{}') is left out "
+      "(--skip-lines 0 begins with it)",
+      file.position(layout.table_above.data()).text(), to_utf8(layout.table_above.substr(0, 40)));
 }
 
 namespace {

@@ -10,6 +10,7 @@
 
 #include "acquisition/importers/date_columns.hpp"
 #include "acquisition/importers/date_time.hpp"
+#include "acquisition/importers/mts_tables.hpp"
 #include "acquisition/importers/row_of_units.hpp"
 #include "acquisition/importers/text_dialect.hpp"
 #include "datasets/units.hpp"
@@ -460,7 +461,10 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   const std::string_view text = file.text();
   refuse_mixed_line_ends(file, text);
   const std::vector<std::string_view> lines = first_lines(text);
-  const auto skipped = static_cast<std::size_t>(std::max(0, options.skip_lines.value_or(0)));
+  MtsTable of_several;
+  if (!options.skip_lines && !file.is_part()) of_several = largest_mts_table(text);
+  const auto stated = static_cast<std::size_t>(std::max(0, options.skip_lines.value_or(0)));
+  const std::size_t skipped = std::max(stated, of_several.skipped_lines);
 
   const std::optional<DialectFound> best = find_dialect(file, lines, skipped, options);
   if (!best) {
@@ -492,7 +496,8 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   find_text_columns(lines, named, layout);
   if (!options.decimal) find_perhaps_grouped(lines, layout);
   if (file.is_part()) return layout;
-  layout.end = end_of_rows(text, layout);
+  layout.table_above = of_several.above;
+  layout.end = of_several.end != nullptr ? of_several.end : end_of_rows(text, layout);
   find_cut_row(text, layout);
   return layout;
 }

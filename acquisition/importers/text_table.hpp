@@ -70,6 +70,8 @@ struct TableLayout {
   bool column_numbers = false;         ///< are all that the last line of `head` says
   /// Behind the last row, where what follows is no row; null: rows go on to the end.
   const char* end = nullptr;
+  /// The first line of a table above that is smaller and left out; empty: there is none.
+  std::string_view table_above = {};
   /// A last row whose last number may be cut off, and which is no row therefore; null: there is
   /// none.
   const char* cut = nullptr;
@@ -244,6 +246,9 @@ bool has_only_empty_cells(std::string_view line, char delimiter);
 
 /// Says what follows the rows and is left out, but for rows of empty cells; "" where nothing does.
 std::string what_follows(TextFile& file, const TableLayout& layout);
+
+/// What to say of a table above the one that is read.
+std::string table_above(const TextFile& file, const TableLayout& layout);
 
 /// Sets `cut` of a layout whose rows go on to the end of `text`.
 void find_cut_row(std::string_view text, TableLayout& layout);

@@ -157,6 +157,26 @@ TEST(Csv, WordsAndStatisticsBehindTheRowsAreLeftOut) {
               HasSubstr("does another table begin here?"));
 }
 
+// A summary of two rows above the course, and another below.
+TEST(Csv, OfSeveralTablesOfATestingMachineTheLargestIsRead) {
+  const std::string first = "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\n\n",
+                    begin = "Data Acquisition\t\t\tTime:\t137.65723\ts\t03/05/2024 10:03:10 AM\n",
+                    summary = begin + "Axial Force\tStroke\nkN\tmm\n2.5\t4.5\n-933.5\t-1.5\n\n",
+                    course = begin +
+                             "Running Time\tAxial Force\tStroke\ns\tkN\tmm\n0.1\t5\t1\n"
+                             "0.2\t6\t2\n0.3\t7\t3\n";
+  for (const std::string& file : {first + summary + course, first + course + "\n" + summary,
+                                  first + summary + course + "\n" + summary}) {
+    const Record record = imported(file);
+    ASSERT_EQ(record.channels.size(), 2U) << file;
+    EXPECT_EQ(record.channels[0].name, "Axial Force");
+    EXPECT_EQ(record.channels[0].unit, "kN");
+    EXPECT_THAT(record.channels[0].values(), ElementsAre(5, 6, 7));
+    EXPECT_NEAR(record.channels[0].clock.interval, 0.1, 1e-12);
+    EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("left out")));
+  }
+}
+
 // As testing machines of MTS write their names and units every so often.
 TEST(Csv, AHeadThatStandsAgainIsPassedOver) {
   const std::string head =
