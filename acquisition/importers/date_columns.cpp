@@ -198,8 +198,11 @@ std::vector<DateColumns> find_date_columns(const TextFile& file,
   }
   for (DateColumns& date : found)
     if (date.base.elapsed || date.base.before_zero) date.base.nanoseconds = 0;
-  // a date alone says nothing about the time between two rows
-  std::erase_if(found, [](const DateColumns& date) { return !date.base.has_time; });
+  // a date alone says nothing about the time between two rows; a spoilt row may be the first and
+  // longer than the others
+  std::erase_if(found, [&layout](const DateColumns& date) {
+    return !date.base.has_time || date.last >= layout.cells;
+  });
   share_base(found);
   return found;
 }

@@ -78,6 +78,19 @@ TEST(Csv, CommentsAndEmptyLinesBetweenRowsAreSkipped) {
 }
 
 // One under the other: 't' and 'force' would be one channel.
+// A row that is spoilt stands first and is longer than the others: its date is in none of their
+// columns (found by fuzzing).
+TEST(Csv, ADateBeyondTheColumnsIsNone) {
+  using namespace std::string_literals;
+  ImportOptions options;
+  options.format = "csv";
+  const std::string bytes =
+      "S>tamp SStamp State /\n31F/\xf8"s + "2024ate /\n31F/\xf8"s +
+      "2024 11tate F\n3\xff\xff\xff&/\0?2024 111:59:59.9 PM 1\n3\0A/20~4 12:0\x98\0\0\0\0\0\0\0"s +
+      "0:59\n3.1 1 A\xcd 59:59.9 PM 1\n3\0A/2024 12:?2\nAM 2\n"s;
+  EXPECT_THAT(import_error(bytes, options), HasSubstr("the row goes on with"));
+}
+
 TEST(Csv, OctavesVariableHasItsName) {
   const std::string head = "# Created by Octave 8.4.0, Mon Sep 28 12:00:00 2026 UTC <a@b>\n";
   const Record record =
