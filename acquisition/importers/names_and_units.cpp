@@ -221,6 +221,10 @@ bool take_names_over_units(const TableLayout& layout, const std::vector<std::siz
                                       !(are_numbered_channels(names) && is_unit_row(bottom))))
     return false;
   take_start_and_increment(names, units, decimal, head);
+  if (filled.size() > 2 && trimmed(layout.head.front()).starts_with("Vernier Format"))
+    if (HeadCells long_names = head_cells(layout.head[filled[filled.size() - 3]], layout);
+        long_names.size() == names.size())
+      names = std::move(long_names);  // over the short ones: "Time", "T", "s"
   const bool as_wide =
       bottom.size() >= layout.cells || head.start || head.increment || are_numbered_channels(names);
   if (!as_wide ||

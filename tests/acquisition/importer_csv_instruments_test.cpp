@@ -287,6 +287,14 @@ TEST(Siglent, AnIntervalOfAChannelIsInSeconds) {
   EXPECT_THAT(record.warnings, IsEmpty());
 }
 
+TEST(LoggerPro, NamesStandOverTheirLetters) {
+  const Record record = imported(
+      "Vernier Format 2\nuntitled.cmbl 9/28/2026 12:00:00 .\nRun 1\nTime\tForce\tVelocity\n"
+      "T\tF\tv\ns\tN\tm/s\n\n0.000\t0.5\t2.0\n0.001\t0.6\t1.9\n0.002\t1.2\t1.8\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Force [N]", "Velocity [m/s]"));
+  EXPECT_NEAR(record.channels.at(0).clock.interval, 1e-3, 1e-12);
+}
+
 // "Export Waveforms to Spreadsheet File"
 TEST(LabView, WaveformsHaveTheirNamesAboveTheirStarts) {
   const Record record = imported(
