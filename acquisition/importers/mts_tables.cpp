@@ -56,7 +56,7 @@ std::vector<Block> blocks_of(std::string_view text) {
 
 }  // namespace
 
-MtsTable largest_mts_table(std::string_view text) {
+MtsTable mts_table(std::string_view text, std::size_t lines, std::optional<std::size_t> stated) {
   if (!text.starts_with("MTS793|")) return {};
   std::vector<Block> tables;  // blocks of the same columns in a row
   for (const Block& block : blocks_of(text))
@@ -65,14 +65,19 @@ MtsTable largest_mts_table(std::string_view text) {
     else
       tables.push_back(block);
   if (tables.size() < 2) return {};
-  const auto largest = std::ranges::max_element(tables, {}, &Block::rows);
+  const auto last = std::ranges::find_if(tables, [=](const Block& t) { return t.line >= lines; });
+  auto chosen = std::max_element(tables.begin(), last,
+                                 [](const Block& a, const Block& b) { return a.rows < b.rows; });
+  if (stated)
+    chosen = std::find_if(tables.begin(), last, [&](const Block& t) { return t.line >= *stated; });
+  if (chosen == last) return {};
   MtsTable found;
-  if (largest != tables.begin()) {
+  found.skipped_lines = stated.value_or(chosen == tables.begin() ? 0 : chosen->line);
+  if (!stated && chosen != tables.begin()) {
     const char* at = tables.front().begin;
-    found.skipped_lines = largest->line;
     found.above = trimmed(take_line(at, text.data() + text.size()));
   }
-  if (largest + 1 != tables.end()) found.end = (largest + 1)->begin;
+  if (chosen + 1 != tables.end()) found.end = (chosen + 1)->begin;
   return found;
 }
 

@@ -461,10 +461,10 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   const std::string_view text = file.text();
   refuse_mixed_line_ends(file, text);
   const std::vector<std::string_view> lines = first_lines(text);
-  MtsTable of_several;
-  if (!options.skip_lines && !file.is_part()) of_several = largest_mts_table(text);
-  const auto stated = static_cast<std::size_t>(std::max(0, options.skip_lines.value_or(0)));
-  const std::size_t skipped = std::max(stated, of_several.skipped_lines);
+  std::optional<std::size_t> stated;
+  if (options.skip_lines) stated = static_cast<std::size_t>(std::max(0, *options.skip_lines));
+  const MtsTable of_several = mts_table(text, lines.size(), stated);
+  const std::size_t skipped = std::max(stated.value_or(0), of_several.skipped_lines);
 
   const std::optional<DialectFound> best = find_dialect(file, lines, skipped, options);
   if (!best) {

@@ -188,6 +188,11 @@ TEST(Csv, OfSeveralTablesOfATestingMachineTheLargestIsRead) {
     EXPECT_NEAR(record.channels[0].clock.interval, 0.1, 1e-12);
     EXPECT_THAT(record.warnings, testing::Contains(HasSubstr("left out")));
   }
+  ImportOptions options;
+  options.skip_lines = 0;
+  const Record record = imported(first + summary + course, options);
+  ASSERT_EQ(record.channels.size(), 2U);
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(2.5, -933.5));
 }
 
 // As testing machines of MTS write their names and units every so often.
