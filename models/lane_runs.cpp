@@ -99,7 +99,9 @@ void LaneRuns::read_solution(Lane& lane, int number) {
                                  {rows().dissipation, &solution.dissipation},
                                  {rows().force_series, &solution.force_series},
                                  {rows().displacement_series, &solution.displacement_series},
-                                 {rows().dissipation_series, &solution.dissipation_series}}) {
+                                 {rows().dissipation_series, &solution.dissipation_series},
+                                 {rows().to_depth, &solution.to_depth},
+                                 {rows().to_rate, &solution.to_rate}}) {
     to->resize(rows().nodes);
     read(from, number, *to);
   }

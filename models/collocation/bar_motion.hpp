@@ -19,7 +19,8 @@ struct HistoryRequest;
 struct StopStep {
   NodeVector force, displacement, velocity, dissipation;  // at the nodes
   NodeVector force_series, displacement_series, dissipation_series;
-  NodeVector change;  // of the force at the nodes, to be answered by press()
+  NodeVector change;             // of the force at the nodes, to be answered by press()
+  NodeVector to_depth, to_rate;  // of a law that presses at the nodes, as its solution last saw it
   PointMotion at_end;
 };
 

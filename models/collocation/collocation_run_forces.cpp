@@ -35,11 +35,15 @@ bool CollocationRun::solve_force(ContactPoint& point, StopStep& step) {
   NodeMatrix jacobian(s, s);
   std::array<ContactForce::Response, most_nodes> laws;
   NodeVector& change = step.change;
+  step.to_depth.resize(s);
+  step.to_rate.resize(s);
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     for (int i = 0; i < s; ++i) {
       depth[i] = point.resolved(depth[i]);
       const ContactForce::Response law = point.contact().pressed(depth[i], rate[i]);
       laws[i] = law;
+      step.to_depth[i] = law.to_depth;
+      step.to_rate[i] = law.to_rate;
       residual[i] = step.force[i] + change[i] - law.force;
       jacobian.row(i) = -law.to_depth * response.displacement_of_force.row(i) -
                         law.to_rate * response.velocity_of_force.row(i);
@@ -65,13 +69,17 @@ bool CollocationRun::solve_force(ContactPoint& point, StopStep& step) {
 /// Rows of Newton's equations for a pressed stop that moves like this.
 void CollocationRun::linearise(ContactPoint& point) {
   const int s = rule_.nodes();
-  const StopStep& step = step_of(point);
+  StopStep& step = step_of(point);
   Together& own = together_[static_cast<std::size_t>(point.number())];
   const int first = point.number() * s;
+  step.to_depth.resize(s);
+  step.to_rate.resize(s);
   for (int i = 0; i < s; ++i) {
     own.depth[i] = point.resolved(own.depth[i]);
     const ContactForce::Response law = point.contact().pressed(own.depth[i], own.rate[i]);
     own.law[i] = law;
+    step.to_depth[i] = law.to_depth;
+    step.to_rate[i] = law.to_rate;
     equations_.residual[first + i] = step.force[i] + step.change[i] - law.force;
     for (const ContactPoint& other : points_) {
       if (!other.contact().presses()) continue;

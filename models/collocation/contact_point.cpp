@@ -62,12 +62,10 @@ void ContactPoint::complete() {
 BarMotion::ContactSlope ContactPoint::slope_at(double part) const {
   if (!contact_.presses()) return {};
   // nodes are near enough, and known
-  const Eigen::Index last = step_.displacement.size() - 1;
+  const Eigen::Index last = step_.to_depth.size() - 1;
   const auto node =
       static_cast<Eigen::Index>(std::lround(std::min(part, 1.0) * static_cast<double>(last)));
-  const ContactForce::Response law =
-      contact_.pressed(resolved(step_.displacement[node]), step_.velocity[node]);
-  return {law.to_depth, law.to_rate};
+  return {step_.to_depth[node], step_.to_rate[node]};
 }
 
 double ContactPoint::shown_force(const PointMotion& p) const {

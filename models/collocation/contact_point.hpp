@@ -151,6 +151,7 @@ class ContactPoint {
     return std::abs(displacement[rule_.nodes() - 1] - displacement[0]);
   }
 
+  bool certainly_goes_on() const;
   double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
   double switch_at(double place);
   double root_of_switch(double low, double high);
@@ -162,6 +163,7 @@ class ContactPoint {
   void note_peak(double force, double part);
   double rate_at(double place, double& force);
   double rate_near_peak(double place);
+  bool may_be_largest() const;
   bool find_peak(double low, double at_low, double high, double at_high);
   Rates observe_peak(double low, double high);
   void observe_deepest(double part, double depth);

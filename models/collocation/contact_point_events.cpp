@@ -136,9 +136,32 @@ double ContactPoint::switch_in_dip(const Look& first, const Look& middle, const 
   return 2.0;
 }
 
+/// Whether a few looks at the nodes and both ends tell that no phase ends between them.
+bool ContactPoint::certainly_goes_on() const {
+  const PointMotion first = struck(), &last = step_.at_end;
+  const double fastest = std::max({step_.velocity.maxCoeff(), first.velocity, last.velocity});
+  const double slowest = std::min({step_.velocity.minCoeff(), first.velocity, last.velocity});
+  const bool flies = contact_.phase() == Phase::free;
+  const double nearest = flies ? std::max(step_.displacement.maxCoeff(), last.displacement)
+                               : -std::min(step_.displacement.minCoeff(), last.displacement);
+  const double speed = flies ? fastest : -slowest;
+  // a phase begins at the gap's zero, and leaves it
+  const bool leaves = flies ? first.velocity <= 0.0 : first.velocity >= 0.0;
+  const double begun = flies ? first.displacement : -first.displacement;
+  if (!leaves && !(begun + speed * bar_.step() < 0.0)) return false;
+  if (!(nearest + std::max(speed, 0.0) * bar_.step() < 0.0)) return false;
+  if (!contact_.may_switch()) return true;
+  if (contact_.form() != DampingForm::proportional) return false;
+  const double a = contact_.switching(0.0, fastest).value;
+  const double b = contact_.switching(0.0, slowest).value;
+  // by nodes of a rule the parabola of a dip goes no deeper than 0.9 of what the looks differ by
+  return std::min(a, b) > safe_dips * std::abs(a - b) + 2.0 * least_dip * std::max(a, b);
+}
+
 /// Looked for between the nodes and both ends.
 void ContactPoint::find_event() {
   forget_event();
+  if (certainly_goes_on()) return;
   const int s = rule_.nodes();
   const bool may_switch = contact_.may_switch();
   const auto look = [&](double place, const PointMotion& p) {

@@ -9,6 +9,8 @@
 namespace impactrig::models {
 namespace {
 
+// Of the largest force so far, less than which a step's is of no interest.
+constexpr double near_largest = 0.9;
 constexpr double rounded = 1.0 - 8.0 * std::numeric_limits<double>::epsilon();
 // The force is flat at its maximum: a correction of its place by less, as a part of the step, need
 // not be looked at.
@@ -176,23 +178,36 @@ void ContactPoint::observe_pull(double part) {
   log_.lowest(contact_.force(last.displacement, last.velocity), begun_ + part * h);
 }
 
+/// Whether the step's force comes near the largest of its contact, as its nodes and its series see
+/// it.
+bool ContactPoint::may_be_largest() const {
+  const double highest = std::max({step_.force.maxCoeff(), legendre_sum(step_.force_series, 0.0),
+                                   legendre_sum(step_.force_series, 1.0)});
+  return !(highest < near_largest * log_.episode(number_).peak_force);
+}
+
 /// Peak force and deepest penetration of the part of the step that is taken, between its beginning,
 /// the nodes and its end.
 void ContactPoint::observe(double begun, double part) {
   begun_ = begun;
   if (contact_.phase() == Phase::free) return;
-  const int s = rule_.nodes();
-  const bool pressed = contact_.presses();
-  rates_.noalias() = rule_.rates() * step_.force_series;
-  const double unsure = s * s * step_.force_series.tail<2>().norm();  // of rates
   peak_part_ = -1.0;
-  if (pressed && contact_.form() != DampingForm::proportional) observe_jump();
-  if (pressed && contact_.may_pull()) observe_pull(part);
+  if (contact_.presses() && contact_.form() != DampingForm::proportional) observe_jump();
+  if (contact_.presses() && contact_.may_pull()) observe_pull(part);
+  const int s = rule_.nodes();
+  const bool pressed = contact_.presses() && may_be_largest();
+  double unsure = 0.0;  // of rates
+  if (pressed) {
+    rates_.noalias() = rule_.rates() * step_.force_series;
+    unsure = s * s * step_.force_series.tail<2>().norm();
+  } else {
+    rising_ = false;
+  }
 
   struct {
     double force, place;
     PointMotion motion;
-  } highest = {0.9 * log_.episode(number_).peak_force, 0.0, {}};
+  } highest = {near_largest * log_.episode(number_).peak_force, 0.0, {}};
 
   PointMotion p0 = struck();
   double before = 0.0, before_that = 0.0;
@@ -245,8 +260,9 @@ void ContactPoint::add_to_totals(double part) {
   for (int i = 0; i < rule_.nodes(); ++i) {
     const PointMotion p = struck_at(part * rule_.points()[i]);
     const double weight = part * bar_.step() * rule_.weights()[i];
-    totals_.impulse += weight * contact_.force(p.displacement, p.velocity);
-    totals_.dissipated += weight * contact_.dissipation(p.displacement, p.velocity);
+    const auto [force, lost] = contact_.force_and_loss(p.displacement, p.velocity);
+    totals_.impulse += weight * force;
+    totals_.dissipated += weight * lost;
   }
   evaluations_ += rule_.nodes();
 }

@@ -232,19 +232,16 @@ double ContactForce::force(double penetration, double rate) const {
   return pressed(penetration, rate).force;
 }
 
-double ContactForce::dissipation(double penetration, double rate) const {
-  switch (phase_) {
-    case Phase::free:
-      return 0.0;
-    case Phase::slack:
-      return -elastic(penetration) * rate;
-    case Phase::pressed:
-    case Phase::opening:
-      if (damping_.form == DampingForm::proportional)
-        return elastic(penetration) * strength_ * rate * rate;
-      return (pressed(penetration, rate).force - elastic(penetration)) * rate;
+ContactForce::ForceAndLoss ContactForce::force_and_loss(double penetration, double rate) const {
+  if (phase_ == Phase::free) return {};
+  const double spring = elastic(penetration);
+  if (phase_ == Phase::slack) return {0.0, -spring * rate};
+  if (damping_.form == DampingForm::proportional) {
+    const double damping = spring * strength_ * rate;
+    return {spring + damping, damping * rate};
   }
-  return 0.0;
+  const double force = pressed(penetration, rate).force;
+  return {force, (force - spring) * rate};
 }
 
 bool ContactForce::ends_smoothly() const {

@@ -79,8 +79,16 @@ class ContactForce {
 
   double force(double penetration, double rate) const;  ///< in this phase [N]
 
-  /// Power lost in the contact in this phase [W].
-  double dissipation(double penetration, double rate) const;
+  struct ForceAndLoss {
+    double force = 0.0;        ///< [N]
+    double dissipation = 0.0;  ///< power lost in the contact [W]
+  };
+
+  ForceAndLoss force_and_loss(double penetration, double rate) const;  ///< in this phase
+
+  double dissipation(double penetration, double rate) const {
+    return force_and_loss(penetration, rate).dissipation;
+  }
 
   /// Force while it presses, with its derivatives.
   struct Response {

@@ -103,6 +103,8 @@ class StepSolver {
         mixed[i] = M::magnitude(here.stiffness * mu_);
         elastic_[i] = active ? here.force - here.stiffness * x_[i] : elastic_[i];
         stiffness_[i] = active ? here.stiffness : stiffness_[i];
+        at(lanes_.to_depth[i]) = active ? to_depth : at(lanes_.to_depth[i]);
+        at(lanes_.to_rate[i]) = active ? to_rate : at(lanes_.to_rate[i]);
         residual[i] = force_[i] - here.force * pull;
         for (int j = 0; j < S; ++j)
           jacobian[i][j] = -to_depth * at(lanes_.displacement_of_force[j * S + i]) -

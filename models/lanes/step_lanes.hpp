@@ -22,6 +22,7 @@ struct StepLanes {
   LaneRow *force, *displacement, *velocity;
   // out
   LaneRow *dissipation, *force_series, *displacement_series, *dissipation_series;
+  LaneRow *to_depth, *to_rate;  ///< of the law while it presses, as Newton's method last saw it
 
   // the contact: pressed and slack are 0 or 1; a linear spring where compliance is 0
   LaneRow pressed, slack, compliance, limit_force, spring, mu, tolerance;
