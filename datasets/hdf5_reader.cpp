@@ -27,6 +27,9 @@ std::string cell_text(std::string_view cell, hid_t type) {
   return layout::with_nul_restored(cell);
 }
 
+// Of a member of a group [bytes].
+constexpr std::size_t longest_name = 255;
+
 bool is_number(hid_t type) {
   const H5T_class_t kind = H5Tget_class(type);
   return kind == H5T_INTEGER || kind == H5T_FLOAT;
@@ -59,17 +62,17 @@ Node Hdf5Reader::data(const Node& parent, const std::string& name) const {
 }
 
 std::vector<std::string> Hdf5Reader::names(const Node& group) const {
-  H5G_info_t info{};
-  if (H5Gget_info(group.id(), &info) < 0) damaged(group.path, "cannot be listed");
+  // all at once: by its number each would be looked for in the whole list
   std::vector<std::string> result;
-  for (hsize_t i = 0; i < info.nlinks; ++i) {
-    std::array<char, 256> name{};
-    const ssize_t length = H5Lget_name_by_idx(group.id(), ".", H5_INDEX_NAME, H5_ITER_INC, i,
-                                              name.data(), name.size(), H5P_DEFAULT);
-    if (length <= 0 || static_cast<std::size_t>(length) >= name.size())
-      damaged(group.path, "cannot be listed");
-    result.emplace_back(name.data());
-  }
+  hsize_t at = 0;
+  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* names) -> herr_t {
+    const std::string_view text(name);
+    if (text.empty() || text.size() > longest_name) return -1;
+    static_cast<std::vector<std::string>*>(names)->emplace_back(text);
+    return 0;
+  };
+  if (H5Literate(group.id(), H5_INDEX_NAME, H5_ITER_INC, &at, take, &result) < 0)
+    damaged(group.path, "cannot be listed");
   return result;
 }
 
