@@ -145,7 +145,9 @@ double CollocationRun::smallness() const {
   const bool smooth = std::ranges::none_of(points_, [](const ContactPoint& point) {
     return point.contact().form() == DampingForm::closing;
   });
-  const double of_end = resolved_ && smooth && slow >= slowest_resolved ? 1.0 : slow / slowest_part;
+  // where it is smaller than what errors are compared with, its end errs by so much more
+  const double end = slow * std::min(1.0, std::abs(first.impulse) / impulse_scale_);
+  const double of_end = resolved_ && smooth && slow >= slowest_resolved ? 1.0 : end / slowest_part;
   return std::min({1.0, part / smallest_part, of_end});
 }
 

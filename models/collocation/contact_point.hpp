@@ -143,6 +143,12 @@ class ContactPoint {
     double place, value;
   };
 
+  /// The last two places looked at, and how the point moves at the last.
+  struct Seen {
+    Look first, last;
+    PointMotion motion;
+  };
+
   PointMotion seen(const PointMotion& p) const { return {p.displacement - gap_, p.velocity}; }
 
   /// Between the first and the last node of the step tried [m].
@@ -152,6 +158,9 @@ class ContactPoint {
   }
 
   bool certainly_goes_on() const;
+  bool may_switch_unseen() const;
+  Look look(double place, const PointMotion& p) const;
+  bool look_on(Seen& seen, double here, const PointMotion& p);
   double gap_between(double before, const PointMotion& p0, double here, const PointMotion& p1);
   double switch_at(double place);
   double root_of_switch(double low, double high);

@@ -10,6 +10,10 @@ namespace {
 
 // How much deeper than the parabola through three places a dip may be, and of their values.
 constexpr double safe_dips = 3.0, least_dip = 1e-3;
+// Of the last terms of the velocity's series at the nodes, how much it may differ between them; how
+// many times as close it is looked at there.
+constexpr double unresolved = 4.0;
+constexpr int closer_looks = 4;
 // A correction by Halley's method that leaves only rounding, of the step: it leaves its own cube.
 constexpr double last_correction = 1e-6;
 
@@ -158,39 +162,58 @@ bool ContactPoint::certainly_goes_on() const {
   return std::min(a, b) > safe_dips * std::abs(a - b) + 2.0 * least_dip * std::max(a, b);
 }
 
+/// Whether what the nodes do not resolve of the motion may lead to where the laws begin or cease to
+/// act, and back, between two of them.
+bool ContactPoint::may_switch_unseen() const {
+  if (!contact_.may_switch() || !bar_.parts_exact()) return false;
+  const double unseen = unresolved * (rule_.to_series() * step_.velocity).tail<2>().norm();
+  for (int i = 0; i < rule_.nodes(); ++i) {
+    const ContactForce::Switch here = contact_.switching(step_.displacement[i], step_.velocity[i]);
+    if (here.value < std::abs(here.to_rate) * unseen) return true;
+  }
+  return false;
+}
+
+ContactPoint::Look ContactPoint::look(double place, const PointMotion& p) const {
+  const bool may_switch = contact_.may_switch();
+  return {place, may_switch ? contact_.switching(p.displacement, p.velocity).value : 1.0};
+}
+
+/// Looks on, from the places seen to another; true where an event lies before it, the first.
+bool ContactPoint::look_on(Seen& seen, double here, const PointMotion& p) {
+  const double gap = gap_between(seen.last.place, seen.motion, here, p);
+  const Look last = look(here, p);
+  const Look &first = seen.first, &middle = seen.last;
+  double change = 2.0;
+  if (last.value < 0.0)
+    change = root_of_switch(middle.place, here);
+  else if (first.place < middle.place && first.value > middle.value && middle.value >= 0.0 &&
+           middle.value < last.value)
+    change = switch_in_dip(first, middle, last);
+  seen = {middle, last, p};
+  if (gap > 1.0 && change > 1.0) return false;
+  event_ = gap <= change ? Event::gap : Event::change;
+  event_part_ = std::min(gap, change);
+  return true;
+}
+
 /// Looked for between the nodes and both ends.
 void ContactPoint::find_event() {
   forget_event();
   if (certainly_goes_on()) return;
   const int s = rule_.nodes();
-  const bool may_switch = contact_.may_switch();
-  const auto look = [&](double place, const PointMotion& p) {
-    return Look{place, may_switch ? contact_.switching(p.displacement, p.velocity).value : 1.0};
-  };
-  double before = 0.0;
-  PointMotion p0 = struck();
-  Look second = look(0.0, p0), first = second;
+  const int parts = may_switch_unseen() ? closer_looks : 1;
+  const PointMotion begun = struck();
+  Seen seen{look(0.0, begun), look(0.0, begun), begun};
   for (int i = 0; i <= s; ++i) {
-    const double here = i < s ? rule_.points()[i] : 1.0;
-    const PointMotion p1 =
-        i < s ? PointMotion{step_.displacement[i], step_.velocity[i]} : step_.at_end;
-    const double gap = gap_between(before, p0, here, p1);
-    const Look last = look(here, p1);
-    double change = 2.0;
-    if (last.value < 0.0)
-      change = root_of_switch(before, here);
-    else if (may_switch && first.place < second.place && first.value > second.value &&
-             second.value >= 0.0 && second.value < last.value)
-      change = switch_in_dip(first, second, last);
-    if (gap <= 1.0 || change <= 1.0) {
-      event_ = gap <= change ? Event::gap : Event::change;
-      event_part_ = std::min(gap, change);
-      return;
+    const double before = seen.last.place, node = i < s ? rule_.points()[i] : 1.0;
+    for (int k = 1; k < parts; ++k) {
+      const double between = before + (node - before) * k / parts;
+      if (look_on(seen, between, struck_at(between))) return;
     }
-    before = here;
-    p0 = p1;
-    first = second;
-    second = last;
+    const PointMotion p =
+        i < s ? PointMotion{step_.displacement[i], step_.velocity[i]} : step_.at_end;
+    if (look_on(seen, node, p)) return;
   }
 }
 
