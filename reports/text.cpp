@@ -231,6 +231,11 @@ std::string mesh_error_text(const models::MeshError& error,
   return text + fmt::format(", of contact {}, by {}\n", contact, mesh);
 }
 
+/// A number, or what stands for one that is not known.
+std::string digits(double number, int count) {
+  return std::isfinite(number) ? fmt::format("{:.{}g}", number, count) : std::string("-");
+}
+
 /// What happened at the stop.
 std::string contact_text(const models::Simulation& s, const models::Contact& laws) {
   std::string text = fmt::format(
@@ -247,14 +252,15 @@ std::string contact_text(const models::Simulation& s, const models::Contact& law
                       "leaves [us]", "peak [N]", "impulse [Ns]", "in [m/s]", "out [m/s]",
                       s.stops.empty() ? "" : " stop");
   for (const models::Episode& e : s.episodes)
-    text +=
-        fmt::format("  {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g}{}\n",
-                    1e6 * e.start, 1e6 * e.end, e.peak_force, e.impulse, e.approach_velocity,
-                    e.separation_velocity, s.stops.empty() ? "" : fmt::format(" {:>4}", e.stop));
-  text += fmt::format(
-      "\nrestitution       law {}, kinematic {:.5g}, kinetic {:.5g}, energetic {:.5g}\n",
-      laws.takes_restitution() ? fmt::format("{:.5g}", s.restitution.law) : "not used by this law",
-      s.restitution.kinematic, s.restitution.kinetic, s.restitution.energetic);
+    text += fmt::format("  {:>12.6g} {:>12} {:>12.6g} {:>12.6g} {:>12.6g} {:>12}{}\n",
+                        1e6 * e.start, e.open ? "-" : digits(1e6 * e.end, 6), e.peak_force,
+                        e.impulse, e.approach_velocity, digits(e.separation_velocity, 6),
+                        s.stops.empty() ? "" : fmt::format(" {:>4}", e.stop));
+  text +=
+      fmt::format("\nrestitution       law {}, kinematic {}, kinetic {}, energetic {}\n",
+                  laws.takes_restitution() ? digits(s.restitution.law, 5) : "not used by this law",
+                  digits(s.restitution.kinematic, 5), digits(s.restitution.kinetic, 5),
+                  digits(s.restitution.energetic, 5));
   return text;
 }
 

@@ -199,4 +199,19 @@ TEST(Text, EnergyOfASlowTouchIsWhatItsWeightSetsFree) {
                                  "imbalance 1.0e-03\n"));
 }
 
+// Of a contact that has not ended there is no end, speed or restitution yet.
+TEST(Text, AContactThatLastsShowsNoEnd) {
+  models::Simulation run = tests::example_report().fit.predictions.front();
+  ASSERT_FALSE(run.episodes.empty());
+  models::Episode& last = run.episodes.back();
+  last.open = true;
+  last.separation_velocity = run.restitution.kinematic = run.restitution.kinetic =
+      run.restitution.energetic = std::numeric_limits<double>::quiet_NaN();
+  const std::string text = reports::to_text(run, tests::example_report().fit.rig.rig);
+  EXPECT_THAT(text, Not(HasSubstr("nan")));
+  EXPECT_THAT(text, HasSubstr(", kinematic -, kinetic -, energetic -\n"));
+  EXPECT_THAT(text,
+              testing::ContainsRegex("\n +[0-9.e-]+ +- +[0-9.e-]+ +[0-9.e-]+ +[0-9.e-]+ +-\n"));
+}
+
 }  // namespace
