@@ -125,7 +125,7 @@ bool uff58_read_exact_clock(std::string_view id_line, datasets::SampleClock& clo
   const auto start = number_in(line.substr(start_key.size(), middle - start_key.size()));
   const auto interval = number_in(
       line.substr(middle + interval_key.size(), line.size() - 2 - middle - interval_key.size()));
-  if (!start || !interval || !(*interval > 0.0)) return false;
+  if (!start || !interval || !(*interval >= 0.0)) return false;  // 0: of one sample
   // somebody may have resampled and kept the line: record 7 decides then
   const bool agrees = std::abs(*start - clock.start) <= 1e-5 * std::abs(*start) &&
                       std::abs(*interval - clock.interval) <= 1e-5 * *interval;

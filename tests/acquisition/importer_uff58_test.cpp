@@ -319,6 +319,11 @@ TEST(Uff58, AnExactClockInIdLine5CountsWhileItAgrees) {
   EXPECT_EQ(only_channel(function).clock.interval, 1.0 / 65536.0);
   function.increment = "  3.05176E-05";  // resampled by somebody who left the line
   EXPECT_EQ(only_channel(function).clock.interval, 3.05176e-05);
+  // of one sample there is no interval
+  function.start = "  1.23457E+04";
+  function.increment = "  0.00000E+00";
+  function.id5 = "clock: start 12345.678 s, interval 0 s";
+  EXPECT_EQ(only_channel(function).clock.start, 12345.678);
 }
 
 TEST(Uff58, TimesInMillisecondsBecomeSeconds) {
