@@ -99,6 +99,17 @@ double ContactPoint::answer() const {
   return std::min(1.0, stiffness * response.most_displacement + damping * response.most_velocity);
 }
 
+/// Impulse that is missing where a force rises before the first node, as that of damping may that
+/// sets in by itself, from what it begins with to what its series begins with [N s].
+double ContactPoint::missing_at_begin() const {
+  const bool begins = last_series_.size() == 0 && contact_.presses();
+  if (!begins || contact_.form() == DampingForm::proportional) return 0.0;
+  const PointMotion begun = struck();
+  const double rise =
+      legendre_sum(step_.force_series, 0.0) - contact_.force(begun.displacement, begun.velocity);
+  return 0.5 * rule_.points()[0] * bar_.step() * std::abs(rise);
+}
+
 double ContactPoint::force_error(double impulse, double energy) const {
   if (contact_.phase() == Phase::free) return 0.0;
   const double left = truncation(step_.force_series);
@@ -109,7 +120,7 @@ double ContactPoint::force_error(double impulse, double energy) const {
   const double undamped =
       damping > 0.0 ? damping * bar_.undamped_speed(number_, damping, time_scale_) : 0.0;
   return std::max({left * bar_.step() / impulse, left * answer() / peak, loss / energy,
-                   share_of_undamped * undamped / peak});
+                   share_of_undamped * undamped / peak, missing_at_begin() / impulse});
 }
 
 double ContactPoint::motion_error() const {

@@ -167,6 +167,7 @@ class ContactPoint {
   double switch_in_dip(const Look& first, const Look& middle, const Look& last);
   double root_of_gap(double low, double at_low, double guess, double high);
   double most_damping() const;
+  double missing_at_begin() const;
   double answer() const;
   double integral(const NodeVector& at_nodes, double part) const;
   void note_peak(double force, double part);
