@@ -56,15 +56,21 @@ std::string_view take_quoted_line(const char*& at, const char* end) {
   return line;
 }
 
-/// The lines of the first 256 KiB, at most 4000 of them; the last one only when it is whole.
+/// The lines of the first 256 KiB, at most 4000 of them; where they are long, as those of thousands
+/// of channels, the first few of up to 8 MiB. The last one only when it is whole.
 std::vector<std::string_view> first_lines(std::string_view text) {
-  constexpr std::size_t looked_at = 256 * 1024;
-  constexpr std::size_t most_lines = 4000;
+  constexpr std::size_t looked_at = 256 * 1024, most_looked_at = 8 * 1024 * 1024;
+  constexpr std::size_t most_lines = 4000, few_lines = 16;
   std::vector<std::string_view> lines;
-  const char* at = text.data();
-  const char* const end = text.data() + std::min(text.size(), looked_at);
-  while (at != end && lines.size() < most_lines) lines.push_back(take_quoted_line(at, end));
-  if (text.size() > looked_at && lines.size() > 1 && at == end) lines.pop_back();
+  const auto take_until = [&](std::size_t reach, std::size_t most) {
+    lines.clear();
+    const char* at = text.data();
+    const char* const end = text.data() + std::min(text.size(), reach);
+    while (at != end && lines.size() < most) lines.push_back(take_quoted_line(at, end));
+    if (text.size() > reach && lines.size() > 1 && at == end) lines.pop_back();
+  };
+  take_until(looked_at, most_lines);
+  if (lines.size() < few_lines && text.size() > looked_at) take_until(most_looked_at, few_lines);
   return lines;
 }
 

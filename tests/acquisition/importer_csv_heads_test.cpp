@@ -340,5 +340,23 @@ TEST(CsvTimes, ThatFallAreNotRounded) {
   EXPECT_THAT(record.warnings, ElementsAre(HasSubstr("time does not increase from sample 19")));
 }
 
+// Looked for rows in the first 256 KiB alone, which a scan of so many points fills with its names.
+TEST(CsvHeads, MayBeLongerThanHundredsOfKilobytes) {
+  constexpr int points = 8000;
+  std::string text = "Scan\ntime [s]";
+  for (int k = 0; k < points; ++k) text += fmt::format(",Vib 3D point {:05} velocity X [m/s]", k);
+  ASSERT_GT(text.size(), 256U * 1024U);
+  for (int i = 0; i < 5; ++i) {
+    text += fmt::format("\n{:.3f}", 1e-3 * i);
+    for (int k = 0; k < points; ++k) text += fmt::format(",{}", 10 * k + i);
+  }
+  const Record record = imported(text + "\n");
+  ASSERT_EQ(record.channels.size(), static_cast<std::size_t>(points));
+  EXPECT_EQ(record.channels.back().name, "Vib 3D point 07999 velocity X");
+  EXPECT_EQ(record.channels.back().unit, "m/s");
+  EXPECT_THAT(record.channels.back().values(), ElementsAre(79990, 79991, 79992, 79993, 79994));
+  EXPECT_EQ(record.channels.back().clock.interval, 1e-3);
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition
