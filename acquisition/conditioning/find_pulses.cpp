@@ -286,7 +286,7 @@ std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t fl
     if (nearer.steady)
       if (const auto second = measure_from(nearer, inside, floor, trigger)) contact = second;
   }
-  if (const auto touch = touch_in_vibration(trace_, *contact, crossing, floor, options_)) {
+  if (const auto touch = touch_in_vibration(trace_, *contact, crossing, floor, grain_, options_)) {
     const std::size_t end = touch->index > 3 ? touch->index - 3 : 0;
     nearer = baseline_before(end, floor, tallest, trigger);
     if (const auto third =

@@ -52,7 +52,7 @@ std::optional<std::size_t> traced_back(std::span<const double> y,
 }  // namespace
 
 std::optional<Touch> touch_in_vibration(const Trace& force, const Contact& contact,
-                                        std::size_t crossing, std::size_t floor,
+                                        std::size_t crossing, std::size_t floor, double grain,
                                         const DetectionOptions& options) {
   constexpr double vibrates = 2.0;  // standard deviations
   constexpr double matters = 0.01;  // of the peak
@@ -61,7 +61,6 @@ std::optional<Touch> touch_in_vibration(const Trace& force, const Contact& conta
   const auto window = static_cast<std::size_t>(std::max(200.0, options.before() / force.interval));
   const std::size_t begin = std::max(floor, flank.rise > window ? flank.rise - window : 0);
   if (flank.rise < begin + 16) return std::nullopt;
-  const double grain = grain_of(y, force.valid);
   const auto before = y.subspan(begin, flank.rise - begin);
   const double noise = std::max(step_noise(before, force.marks(begin, flank.rise)), 0.75 * grain);
   const double scatter = fit_quiet(y, begin, flank.rise, 1, grain, force.valid).sigma;

@@ -18,9 +18,10 @@ struct Touch {
 /// First touch of a contact whose force vibrates before by more than 1 % of its peak: the trace
 /// back from the pulse ends where the vibration lifts the force. Touch is where the course bends
 /// more sharply than before (BendSearch), and leaves the line through what is just before.
-/// `crossing`: a sample of the contact above the threshold. None where the force is quiet.
+/// `crossing`: a sample of the contact above the threshold; `grain`: grain_of() the force. None
+/// where the force is quiet.
 std::optional<Touch> touch_in_vibration(const Trace& force, const Contact& contact,
-                                        std::size_t crossing, std::size_t floor,
+                                        std::size_t crossing, std::size_t floor, double grain,
                                         const DetectionOptions& options);
 
 }  // namespace impactrig::acquisition
