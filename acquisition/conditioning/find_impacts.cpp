@@ -155,6 +155,7 @@ void clear_spikes(const std::vector<Spike>& spikes, Trace& trace) {
 std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
                                                  const DetectionOptions& options) {
   constexpr int most_rounds = 32;
+  constexpr std::size_t most_looked_at = 20000;  // contacts in all rounds: of noise there are many
   std::vector<Contact> contacts = find_contacts(trigger, options);
   if (trigger.trace.quantity == Quantity::velocity ||
       trigger.trace.quantity == Quantity::displacement)
@@ -162,7 +163,9 @@ std::vector<Contact> find_contacts_beside_spikes(RecordedSignal& trigger,
   RecordedSignal cleared = trigger;
   std::vector<Contact> found = contacts;
   std::vector<Spike> undecided;
-  for (int round = 0; round < most_rounds; ++round) {
+  std::size_t looked_at = 0;
+  for (int round = 0; round < most_rounds && looked_at < most_looked_at; ++round) {
+    looked_at += found.size();
     const std::vector<Spike> taken = spikes_among(cleared.trace, found);
     std::vector<Spike> spikes = spikes_after(cleared.trace, cleared.quantum, found, options);
     const auto add = [&](const Spike& spike) {
