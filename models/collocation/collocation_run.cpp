@@ -4,12 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "models/beams/bending_modes.hpp"
 #include "models/history_recorder.hpp"
 #include "models/run_limits.hpp"
 
 namespace impactrig::models {
+namespace {
+
+// Of a contact's depth, how far a flight may have led beyond a stop: rounding alone does.
+constexpr double through = 1e-3;
+
+}  // namespace
 
 CollocationRun::CollocationRun(const Rig& rig, const Solver& solver,
                                const SimulationOptions& options, BarMotion& bar)
@@ -219,8 +226,13 @@ bool CollocationRun::leap() {
       [](ContactPoint& point, double place) { return point.struck_in_flight(place); },
       [this](double) { return points_.front().totals().impulse; });
   bar_.fly(time);
-  for (ContactPoint& point : points_) point.drop_series();
   t_ += time;
+  for (ContactPoint& point : points_) {
+    point.drop_series();
+    if (point.struck().displacement > through * point.depth())
+      throw std::logic_error(
+          fmt::format("a flight has led through a stop, {:g} s after first touch", t_));
+  }
   if (time >= left) {
     tried_.end = End::run;
     result_.termination = "the duration asked for was reached";

@@ -111,7 +111,10 @@ double PendulumSwing::time_up_to(double angle) const {
   const double sine = std::sin(0.5 * angle);
   if (modulus_ == 0.0 || std::abs(sine) > modulus_) return never;
   const double there = boost::math::ellint_1(modulus_, std::asin(sine / modulus_));
-  return (there > phase_ ? there - phase_ : there + 4.0 * quarter_ - phase_) / omega_;
+  if (there > phase_) return (there - phase_) / omega_;
+  // as good as there, rounding may have it just beyond: that is no period away
+  if (from_.rate >= 0.0 && from_.angle <= angle) return 0.0;
+  return (there + 4.0 * quarter_ - phase_) / omega_;
 }
 
 ModalFlight::Pendulum::Pendulum(const ModalBeam& beam, const ModalLoad& load)
