@@ -28,6 +28,10 @@ constexpr double of_moment = 10.0;
 // scenes.
 constexpr double most_of_spring = 6.0;
 
+// What a damper's moment, that bends the bar as it arrives, does to a result, over
+// bent_by_damper().
+constexpr double most_of_damper = 2.0;
+
 /// Of the vibration, what is left out: what the swing's centrifugal force does to its phase, terms
 /// of fourth order, what friction in the hinge bends, and that a spring there goes by the angle,
 /// not by its sine.
@@ -40,6 +44,18 @@ double left_out(const Rig& rig, const RigidSwing::Arrival& arrival, double slowe
                        (rig.hinge.friction + rig.hinge.spring * std::abs(angle - std::sin(angle))) /
                        moment;
   return std::min(phase, 1.0) + apart * apart + bends;
+}
+
+/// How fast the struck point would vibrate if what a damper in the hinge bends the bar by were let
+/// go [m/s].
+double bent_by_damper(const ModalBeam& beam, double rate) {
+  Eigen::VectorXd drag(beam.modes());
+  beam.coupled_drag(beam.rigid() * rate, drag);
+  const auto bending = beam.modes() - 1;
+  return (drag.tail(bending).array() / beam.omega().tail(bending).array() *
+          beam.struck().tail(bending).array())
+      .matrix()
+      .norm();
 }
 
 /// The modes about touch.
@@ -127,11 +143,12 @@ Arrival arrive(const Rig& rig, const ModalBeam& beam) {
     }
   }
   // not followed
-  const double of_spring = most_of_spring * spring_bending(rig);
-  arrival.vibration = vibration + of_spring;
+  const double held_back = most_of_spring * spring_bending(rig) +
+                           most_of_damper * bent_by_damper(beam, rigid->rate) / speed;
+  arrival.vibration = vibration + held_back;
   arrival.error =
       vibration < most_vibration
-          ? of_spring + vibration * (vibration +
+          ? held_back + vibration * (vibration +
                                      left_out(rig, *rigid, beam.omega().tail(bending).minCoeff()))
           : 1.0;
   return arrival;
