@@ -259,6 +259,22 @@ void print_impacts(const ordered_json& impacts) {
     if (count > most) fmt::print("  {}: {} more (--json lists them all)\n", channel, count - most);
 }
 
+/// How many samples are not valid, of the first few channels that have such.
+void print_invalid(const ordered_json& channels) {
+  constexpr std::size_t most = 8;
+  std::vector<std::string> told;
+  std::size_t found = 0;
+  for (const auto& c : channels) {
+    const std::size_t count = c.value("invalid", std::size_t{0});
+    if (count > 0 && ++found <= most)
+      told.push_back(fmt::format("{} of '{}'", count, c["name"].get<std::string>()));
+  }
+  if (found == 0) return;
+  if (found > most) told.push_back(fmt::format("{} more channels (--json has all)", found - most));
+  fmt::print("\nsamples not valid:  {}; the figures are those of all that are numbers\n",
+             fmt::join(told, ", "));
+}
+
 void print_text(const ordered_json& json) {
   const auto started = json.value("started", std::string());
   fmt::print("{}: {}{}{}\n\n", json["file"].get<std::string>(), json["format"].get<std::string>(),
@@ -281,6 +297,7 @@ void print_text(const ordered_json& json) {
                shown(c["sample_rate_hz"]), shown(c["start_s"]),
                shown(c.value("min", ordered_json())), shown(c.value("max", ordered_json())),
                shown(c.value("rms", ordered_json())));
+  print_invalid(json["channels"]);
   if (json.contains("attributes")) {
     fmt::print("\nas read:");
     for (const auto& [key, text] : json["attributes"].items())

@@ -74,6 +74,7 @@ class ClockSetter {
     const double period = rate > 0.0 && std::isfinite(1.0 / rate) ? 1.0 / rate : 0.0;
     datasets::SampleClock& clock = channel.clock;
     clock.interval = interval > 0.0 ? interval : period;
+    if (!(clock.interval > 0.0)) clock.interval = by_other_names(attributes);
     if (!(clock.interval > 0.0)) {
       if (stated_rate) tell_unusable_rate(channel, rate);
       if (stated_interval) tell_unusable_interval(channel, interval, "s");
@@ -86,6 +87,15 @@ class ClockSetter {
                       to_utf8(name), clock.interval, period));
     clock.start = stated_start(attributes, intervals).value_or(0.0);
     return true;
+  }
+
+  /// As "fs_Hz", "Sampling Rate" or "time_step" [s]; 0 of none.
+  static double by_other_names(const Hdf5Attributes& attributes) {
+    for (const auto& [key, value] : attributes.numbers)
+      if (const auto interval = interval_by_name(key, value)) return *interval;
+    for (const auto& [key, text] : attributes.texts)
+      if (const auto interval = interval_by_name(key, std::string_view(text))) return *interval;
+    return 0.0;
   }
 
   /// "ms" of "time_unit".

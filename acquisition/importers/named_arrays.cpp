@@ -11,6 +11,8 @@
 #include <string_view>
 
 #include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/number.hpp"
+#include "acquisition/importers/text_file.hpp"
 #include "acquisition/importers/time_axis.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/units.hpp"
@@ -30,10 +32,30 @@ constexpr auto interval_words = std::to_array<std::string_view>(
      "sampling_period", "timestep", "time_step",
      "tinterval",  // PicoScope
      "xinc"});     // Infiniium
-constexpr auto rate_words = std::to_array<std::string_view>(
-    {"fs", "sr", "f_s", "fsamp", "srate", "sfreq", "samplerate", "sample_rate", "samplingrate",
-     "sampling_rate", "time_sample_rate", "samplefreq", "sample_freq", "sample_frequency",
-     "samplefrequency", "sampling_frequency", "samplingfrequency", "abtastrate", "abtastfrequenz"});
+constexpr auto rate_words = std::to_array<std::string_view>({"fs",
+                                                             "sr",
+                                                             "f_s",
+                                                             "fsamp",
+                                                             "srate",
+                                                             "sfreq",
+                                                             "samplerate",
+                                                             "sample_rate",
+                                                             "samplingrate",
+                                                             "sampling_rate",
+                                                             "time_sample_rate",
+                                                             "samplefreq",
+                                                             "sample_freq",
+                                                             "sample_frequency",
+                                                             "samplefrequency",
+                                                             "samp_rate",
+                                                             "samprate",
+                                                             "fsample",
+                                                             "sampling_freq",
+                                                             "samplingfreq",
+                                                             "sampling_frequency",
+                                                             "samplingfrequency",
+                                                             "abtastrate",
+                                                             "abtastfrequenz"});
 constexpr auto start_words =
     std::to_array<std::string_view>({"t0", "t_start", "start_time", "starttime",
                                      "tstart",  // PicoScope, beside Tinterval
@@ -486,6 +508,61 @@ std::string unit_by_name(std::string_view name) {
 
 bool is_named_as_time(std::string_view name) {
   return among(time_words, last_word(name));
+}
+
+namespace {
+
+/// Of a rate or an interval, with what is one of its unit in seconds, or its period is.
+std::optional<double> interval_of(bool rate, double seconds, double value) {
+  const double interval = rate ? seconds / value : seconds * value;
+  return interval > 0.0 && std::isfinite(interval) ? std::optional(interval) : std::nullopt;
+}
+
+struct NamedClock {
+  bool rate;
+  std::string unit;
+};
+
+/// None of words that are dates as often, or of an axis that may be another than time.
+std::optional<NamedClock> clock_of_name(std::string_view name) {
+  std::string joined(name);
+  std::ranges::replace(joined, ' ', '_');
+  const ColumnHead spaced = last_head(name), head = last_head(joined);
+  std::string word = lowered(spaced.name);
+  std::ranges::replace(word, ' ', '_');
+  const std::string unit = spaced.unit.empty() ? head.unit : spaced.unit;
+  if (spaced.unit.empty()) word = lowered(head.name);
+  if (word == "ts" || word == "delta_x" || word.starts_with('x')) return std::nullopt;
+  if (among(rate_words, word)) return NamedClock{true, unit};
+  if (among(interval_words, word)) return NamedClock{false, unit};
+  return std::nullopt;
+}
+
+std::optional<double> in_unit(const NamedClock& clock, const std::string& unit, double value) {
+  if (unit.empty()) return interval_of(clock.rate, 1.0, value);
+  if (const auto time = datasets::conversion(unit, "s"))
+    return interval_of(false, time->factor, value);
+  if (const auto rate = datasets::conversion(unit, "Hz"))
+    return interval_of(true, 1.0 / rate->factor, value);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<double> interval_by_name(std::string_view name, double value) {
+  const std::optional<NamedClock> clock = clock_of_name(name);
+  return clock ? in_unit(*clock, clock->unit, value) : std::nullopt;
+}
+
+std::optional<double> interval_by_name(std::string_view name, std::string_view text) {
+  const std::optional<NamedClock> clock = clock_of_name(name);
+  if (!clock) return std::nullopt;
+  double value = 0.0;
+  const char* const behind = scan_number(text.data(), text.data() + text.size(), {}, value);
+  if (behind == text.data()) return std::nullopt;
+  const std::string_view unit =
+      trimmed(text.substr(static_cast<std::size_t>(behind - text.data())));
+  return in_unit(*clock, unit.empty() ? clock->unit : std::string(unit), value);
 }
 
 void take_unit(NamedArray& array, const std::string& unit) {

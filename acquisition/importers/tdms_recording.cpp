@@ -75,6 +75,7 @@ class Recording {
     take_stated_units(options_.units, file_->path(), record_);
     set_uniform_clocks();
     set_clocks_by_channels();
+    set_clocks_by_properties();
   }
 
   /// A part of a channel, which is a channel of the record.
@@ -127,7 +128,7 @@ class Recording {
 
   /// Of properties that stand for LabVIEW's own: DAQmx's, DIAdem's, those of users.
   static void take_unit_of_others(const TdmsProperties& properties, Channel& channel) {
-    for (const char* name : {"NI_UnitDescription", "Unit", "Units", "unit", "Einheit"}) {
+    for (const char* name : {"NI_UnitDescription", "Unit", "Units", "unit", "units", "Einheit"}) {
       const std::string unit = text_of(properties, name);
       if (datasets::quantity_of_unit(unit) == Quantity::unknown) continue;
       channel.unit = unit;
@@ -414,6 +415,40 @@ class Recording {
       if (named.size() == 1 && is_needed(named.front(), members) && increases(named.front()))
         take_times(named.front(), members, false);
     }
+  }
+
+  /// What users have written of the rate, of the channel, its group or all, where nothing else
+  /// tells it.
+  void set_clocks_by_properties() {
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+      Channel& channel = record_.channels[i];
+      if (!seconds_of_abscissa(channels_[i].part->properties)) continue;
+      if (!channel.clock.uniform() || (channel.clock.interval != 0.0 && !is_default(channel.clock)))
+        continue;
+      const auto group = std::ranges::find_if(objects_, [&](const TdmsObject& object) {
+        return object.depth == 1 && object.group == channels_[i].object->group;
+      });
+      const TdmsProperties* const places[] = {
+          &channels_[i].part->properties, group == objects_.end() ? nullptr : &group->properties,
+          root_ == nullptr ? nullptr : &root_->properties};
+      for (const TdmsProperties* const place : places)
+        if (place != nullptr && set_clock_by(*place, channel)) break;
+    }
+  }
+
+  static bool set_clock_by(const TdmsProperties& properties, Channel& channel) {
+    for (const auto& [name, value] : properties) {
+      const std::string key = name == "wf_increment" ? "dt" : name;
+      const auto number = number_of(value);
+      const std::string text = text_of(value);
+      const auto interval =
+          number ? interval_by_name(key, *number) : interval_by_name(key, std::string_view(text));
+      if (!interval || (name == "wf_increment" && *interval == 1.0)) continue;
+      channel.clock.interval = *interval;
+      channel.attributes["sample interval"] = fmt::format("by the property '{}'", name);
+      return true;
+    }
+    return false;
   }
 
   bool is_named_time(std::size_t i) const {

@@ -340,6 +340,21 @@ TEST(Hdf5Facts, AStartIsInTheUnitOfItsInterval) {
   EXPECT_DOUBLE_EQ(all.start, -5e-6);
 }
 
+TEST(Hdf5Facts, ARateMayHaveManyNames) {
+  const auto interval = [](const std::string& name, double value) {
+    const Hdf5File file;
+    file.doubles("/force", {1, 2, 3});
+    file.number("/force", name, value);
+    return imported(file.bytes()).channels.at(0).clock.interval;
+  };
+  for (const char* const name : {"Sampling Rate", "fs_Hz", "sample_rate_hz", "sr", "f_s"})
+    EXPECT_EQ(interval(name, 500.0), 2e-3) << name;
+  for (const char* const name : {"sample_period", "time_step", "timestep", "dt_s"})
+    EXPECT_EQ(interval(name, 0.5), 0.5) << name;
+  EXPECT_DOUBLE_EQ(interval("dt_ms", 0.5), 5e-4);
+  for (const char* const name : {"rate", "ts", "xinc"}) EXPECT_EQ(interval(name, 2.0), 0.0);
+}
+
 TEST(Hdf5Facts, ADataSetMayStateItsStartWhereItsGroupStatesTheRate) {
   const Hdf5File file;
   file.group("/daq");

@@ -61,10 +61,36 @@ TEST_P(TdmsInBothByteOrders, AUnitMayStandInOtherProperties) {
         .channels.at(0)
         .unit;
   };
-  for (const char* name : {"NI_UnitDescription", "Unit", "Units", "Einheit"})
+  for (const char* name : {"NI_UnitDescription", "Unit", "Units", "units", "Einheit"})
     EXPECT_EQ(unit({t_.property(name, "kN")}), "kN") << name;
   EXPECT_EQ(unit({t_.property("Unit", "kN"), t_.property("unit_string", "N")}), "N");
   EXPECT_EQ(unit({t_.property("Unit", "bar end")}), "");
+}
+
+// Of the channel, its group or the file, in words of users.
+TEST_P(TdmsInBothByteOrders, ARateMayStandInOtherProperties) {
+  const auto index = t_.index(0x0A, 1);
+  const auto clock = [&](const std::vector<std::string>& objects) {
+    return imported(t_.segment(objects, t_.number(1.0))).channels.at(0).clock.interval;
+  };
+  const auto of_channel = [&](const std::string& property) {
+    return clock({t_.channel("a", index, {property})});
+  };
+  EXPECT_EQ(of_channel(t_.property("Sampling_Rate", 1000.0)), 1e-3);
+  EXPECT_EQ(of_channel(t_.property("Sample Rate [kHz]", 1.0)), 1e-3);
+  EXPECT_EQ(of_channel(t_.property("dt_ms", 2.0)), 2e-3);
+  EXPECT_EQ(of_channel(t_.property("wf_increment", "0.001")), 1e-3);
+  EXPECT_EQ(of_channel(t_.property("fs", "51.2 kHz")), 1.0 / 51200.0);
+  EXPECT_EQ(of_channel(t_.property("ts", 1.7e9)), 0.0);  // as often a date
+  EXPECT_EQ(of_channel(t_.property("Heart rate", 60.0)), 0.0);
+  EXPECT_EQ(clock({t_.object("/'G'", t_.none(), {t_.property("dt", 0.5)}), t_.channel("a", index)}),
+            0.5);
+  EXPECT_EQ(clock({t_.object("/", t_.none(), {t_.property("Sample Rate", 100.0)}),
+                   t_.channel("a", index, {t_.property("wf_increment", 1.0)})}),
+            0.01);  // an increment of 1 is what LabVIEW writes where it knows none
+  EXPECT_EQ(clock({t_.object("/", t_.none(), {t_.property("Sample Rate", 100.0)}),
+                   t_.channel("a", index, {t_.property("wf_increment", 0.25)})}),
+            0.25);
 }
 
 TEST_P(TdmsInBothByteOrders, ComplexNumbersHaveTwoParts) {

@@ -74,6 +74,8 @@ role = "velocity"
   const json read = json::parse(run("inspect --json " + path("shot.h5")).out);
   ASSERT_EQ(read["channels"].size(), 3U);
   EXPECT_EQ(read["channels"][1]["invalid"], 60);
+  EXPECT_THAT(run("inspect " + path("shot.h5")).out,
+              HasSubstr("\nsamples not valid:  60 of 'Vib'"));
   EXPECT_EQ(read["channels"][2]["name"], "Way");
   EXPECT_EQ(read["channels"][2]["quantity"], "displacement");
   ASSERT_EQ(read["impacts"].size(), 1U);
