@@ -288,7 +288,8 @@ void import(const Options& options) {
   const datasets::Record record = import_inputs(options, inputs, map.conditioning);
   if (options.common.quiet) return;
   for (const std::string& warning : record.warnings) fmt::print(stderr, "warning: {}\n", warning);
-  fmt::print(stderr, "{} channel(s) written to {}\n", record.channels.size(), options.output);
+  fmt::print(stderr, "recording of {} channel(s) written to {}\n", record.channels.size(),
+             options.output);
 }
 
 }  // namespace

@@ -17,7 +17,6 @@ namespace impactrig::acquisition {
 
 using datasets::Channel;
 using datasets::FileError;
-using datasets::Record;
 
 namespace {
 
@@ -70,9 +69,10 @@ void check_channels(const OutgoingRecording& recording, const std::string& path)
 }
 
 /// True where an importer may take a channel for further times.
-bool any_looks_like_times(const Record& record) {
-  return std::ranges::any_of(record.channels, [](const Channel& channel) {
-    return channel.unit.empty() || datasets::conversion(channel.unit, "s").has_value();
+bool any_looks_like_times(const OutgoingRecording& recording) {
+  return std::ranges::any_of(recording.channels, [](const OutgoingChannel& channel) {
+    const std::string& unit = channel.head->unit;
+    return unit.empty() || datasets::conversion(unit, "s").has_value();
   });
 }
 
@@ -165,8 +165,7 @@ void print_rows(OutputFile& out, const OutgoingRecording& recording, bool with_t
 }  // namespace
 
 std::vector<std::string> write_csv(const OutgoingRecording& recording, const std::string& path) {
-  const Record& record = recording.record;
-  if (record.channels.empty()) throw FileError(path, "the recording has no channels to write");
+  if (recording.channels.empty()) throw FileError(path, "the recording has no channels to write");
   check_channels(recording, path);
   const OutgoingChannel& first = clock_of(recording);
   const datasets::SampleClock& clock = first.head->clock;
@@ -177,22 +176,23 @@ std::vector<std::string> write_csv(const OutgoingRecording& recording, const std
   // comments only for what the table itself would not give back
   if (with_time && first.uniform && table_changes_clock(first))
     out.print("# sample interval: {} s\n", clock.interval);
-  const std::string_view times = !with_time                     ? no_time_column
-                                 : any_looks_like_times(record) ? only_first_is_time
-                                                                : std::string_view();
+  const std::string_view times = !with_time                        ? no_time_column
+                                 : any_looks_like_times(recording) ? only_first_is_time
+                                                                   : std::string_view();
   if (!times.empty()) out.print("# {}: {}\n", time_column_key, times);
-  for (std::size_t c = 0; c < record.channels.size(); ++c) {
-    const Channel& channel = record.channels[c];
+  const std::size_t channels = recording.channels.size();
+  for (std::size_t c = 0; c < channels; ++c) {
+    const Channel& channel = *recording.channels[c].head;
     if (channel.quantity != datasets::quantity_of_unit(channel.unit))
       out.print("# quantity of column {}: {}\n", c + (with_time ? 1 : 0),
                 datasets::name(channel.quantity));
   }
   std::vector<std::string> warnings;
-  tell_of_calibrations(record, "a CSV file", warnings);
+  tell_of_calibrations(recording.record, "a CSV file", warnings);
   print_marks(out, recording, with_time ? 1 : 0, warnings);
   if (with_time) out.print("time [s],");
-  for (std::size_t c = 0; c < record.channels.size(); ++c)
-    out.print("{}{}", heading(record.channels[c]), c + 1 < record.channels.size() ? "," : "\n");
+  for (std::size_t c = 0; c < channels; ++c)
+    out.print("{}{}", heading(*recording.channels[c].head), c + 1 < channels ? "," : "\n");
   print_rows(out, recording, with_time);
   out.finish();
   return warnings;

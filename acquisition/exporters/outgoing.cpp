@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/exporters/outgoing.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace impactrig::acquisition {
@@ -85,6 +87,28 @@ OutgoingRecording outgoing(const Record& record) {
                                return part_in_memory(channel, first, count);
                              }});
   return list;
+}
+
+OutgoingRecording without_single_numbers(const OutgoingRecording& recording,
+                                         std::vector<std::string>& warnings) {
+  const auto is_signal = [](const OutgoingChannel& channel) { return channel.size != 1; };
+  if (std::ranges::none_of(recording.channels,
+                           [](const OutgoingChannel& channel) { return channel.size > 1; }) ||
+      std::ranges::all_of(recording.channels, is_signal))
+    return recording;
+  OutgoingRecording signals{recording.record, {}};
+  std::string left_out;
+  for (const OutgoingChannel& channel : recording.channels) {
+    if (is_signal(channel))
+      signals.channels.push_back(channel);
+    else
+      left_out += fmt::format("{}'{}'", left_out.empty() ? "" : ", ", channel.head->name);
+  }
+  warnings.push_back(
+      fmt::format("left out are single numbers, which a table of samples has no place for: {}; "
+                  ".h5 and .mat files keep them",
+                  left_out));
+  return signals;
 }
 
 OutgoingRecording outgoing(const Record& record, const SpooledRecording& samples) {

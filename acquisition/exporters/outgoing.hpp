@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "acquisition/recording_spool.hpp"
@@ -44,6 +45,11 @@ struct OutgoingRecording {
 
 /// Of a record in memory, which must live as long.
 OutgoingRecording outgoing(const datasets::Record& record);
+
+/// Without the channels of a single number that stand beside others, as constants do, which a table
+/// has no place for; a sentence tells which.
+OutgoingRecording without_single_numbers(const OutgoingRecording& recording,
+                                         std::vector<std::string>& warnings);
 
 /// Of samples on the disk; `record` has no samples. Both must live as long.
 OutgoingRecording outgoing(const datasets::Record& record, const SpooledRecording& samples);

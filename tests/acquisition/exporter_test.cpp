@@ -298,6 +298,23 @@ TEST(Hdf5Export, RemembersWhereTheRecordingFirstCameFrom) {
   EXPECT_EQ(third.attributes.at("origin sha256"), first.provenance.sha256);
 }
 
+// As the sampling rate of a MAT-file, which is a variable of its own.
+TEST(CsvExport, LeavesOutSingleNumbersBesideSignals) {
+  Record record = example(30);
+  Channel constant;
+  constant.name = "fs";
+  constant.raw = std::vector<double>{1000.0};
+  record.channels.insert(record.channels.begin(), constant);
+  EXPECT_THAT(export_warnings(record, ".csv"),
+              testing::ElementsAre(testing::HasSubstr("a table of samples has no place for: 'fs'; "
+                                                      ".h5 and .mat files keep them")));
+  const Record back = round_trip(record, ".csv");
+  ASSERT_EQ(back.channels.size(), 2U);
+  expect_same_head(record.channels[1], back.channels[0]);
+  expect_same_samples(record.channels[2], back.channels[1]);
+  EXPECT_EQ(round_trip(record, ".mat").channels.size(), 3U);
+}
+
 TEST(Export, RefusesWhatAFormatCannotHold) {
   Record record = example(3);
   record.channels[1].clock.interval = 2e-6;
