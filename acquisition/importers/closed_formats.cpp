@@ -25,6 +25,7 @@ constexpr std::string_view from_the_oscilloscope =
 
 constexpr std::string_view from_the_table = "save the table as CSV, MATLAB (.mat) or HDF5";
 constexpr std::string_view from_netcdf = "save it as NetCDF 4, which is HDF5 (nccopy -k netCDF-4)";
+constexpr std::string_view as_wave = "save it as WAVE (.wav), which keeps the samples";
 constexpr std::string_view from_sigrok =
     "save the analog channels as a sigrok session (.sr) or as CSV";
 
@@ -87,6 +88,22 @@ constexpr auto signatures = std::to_array<Signature>({
     {0, "Octave-1-", "Octave's own binary format", "save it with -v7 in Octave"},
     {0, "\x1A\x45\xDF\xA3", "a recording of an enDAQ or Mide logger (.ide)",
      "export it as CSV or MATLAB (.mat) with enDAQ Lab", "mide"},
+    {0, "fLaC", "a FLAC sound file", as_wave, std::string_view("\0\0\x22", 3)},
+    {0, std::string_view(".snd\0\0\0", 7), "a Sun sound file (.au)", as_wave},
+    {0, std::string_view("caff\0\1", 6), "an Apple Core Audio file (.caf)", as_wave},
+    {0, std::string_view("OggS\0\2", 6), "an Ogg sound file", as_wave},
+    {0, "\x0E\x03\x13\x01", "an HDF4 file", "convert it to HDF5 (h4toh5)"},
+    {0, "FORMAT", "an MTS RPC III time history (.rsp, .rpc, .drv)",
+     "export it as MATLAB (.mat) or text with the RPC software", "NUM_HEADER_BLOCKS"},
+    {0, "Format,", "a GW Instek waveform (.lsf), whose samples are binary", from_the_oscilloscope,
+     "Memory Length,"},
+    {0, "DATASET ",
+     "the header of a DADiSP or TEAC data set, whose samples are in the .dat beside it",
+     "export it as text or MATLAB (.mat) with the program that wrote it", "STORAGE_MODE"},
+    {0, "<SALEAE>", "a binary export of Saleae Logic", "export the analog channels as CSV"},
+    {0, std::string_view("ABF2\0", 5), "an Axon binary file (.abf)", "save it as text (.atf)"},
+    {0, "<!DOCTYPE html", "a web page", "save the table in it as CSV"},
+    {0, "<html", "a web page", "save the table in it as CSV"},
     {0, "SPBXDS", "the memory of an OWON oscilloscope (.bin)", from_the_oscilloscope},
     {0, "FORMDS16", "a KayPENTAX CSL recording (.nsp)", "save it as WAVE (.wav) with CSL"},
     {0, "<?xml",
@@ -139,6 +156,18 @@ constexpr auto endings = std::to_array<Ending>({
     {".lwf", "a Hantek oscilloscope", from_the_oscilloscope},
     {".ibw", "Igor Pro", "save it as HDF5 or as delimited text with Igor Pro"},
     {".pxp", "Igor Pro", "save its waves as HDF5 or as delimited text with Igor Pro"},
+    {".ddf", "DASYLab", "save it as ASCII with DASYLab"},
+    {".dac", "nCode", "export it as CSV or MATLAB (.mat) with nCode"},
+    {".pnrf", "HBM Perception", "export it as MATLAB (.mat), UFF or ASCII with Perception"},
+    {".nrf", "HBM Perception", "export it as MATLAB (.mat), UFF or ASCII with Perception"},
+    {".wft", "a Nicolet oscilloscope", from_the_oscilloscope},
+    {".smr", "CED Spike2", "export it as MATLAB (.mat) or text with Spike2"},
+    {".smrx", "CED Spike2", "export it as MATLAB (.mat) or text with Spike2"},
+    {".edf", "a medical recorder", "convert it to CSV, MATLAB (.mat) or HDF5"},
+    {".bdf", "a medical recorder", "convert it to CSV, MATLAB (.mat) or HDF5"},
+    {".sgy", "a seismic recorder (SEG-Y)", "convert it to CSV, MATLAB (.mat) or HDF5"},
+    {".segy", "a seismic recorder (SEG-Y)", "convert it to CSV, MATLAB (.mat) or HDF5"},
+    {".mseed", "a seismic recorder (miniSEED)", "convert it to CSV, MATLAB (.mat) or HDF5"},
     {".mem", "a Hioki recorder", "save it as CSV with the recorder or its software"},
     {".nsp", "KayPENTAX CSL", "save it as WAVE (.wav) with CSL"},
     {".tst", "HBM catman", "export it from catman as binary (.bin) or ASCII"},

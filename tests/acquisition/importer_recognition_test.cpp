@@ -160,6 +160,24 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"\x1A\x45\xDF\xA3\x42\x82\x84mide"sv,
                "a recording of an enDAQ or Mide logger (.ide), which is not read: export it as CSV "
                "or MATLAB (.mat) with enDAQ Lab"},
+        Closed{"fLaC\x80\x00\x00\x22"sv,
+               "a FLAC sound file, which is not read: save it as WAVE (.wav), which keeps the "
+               "samples"},
+        Closed{"\x0E\x03\x13\x01\x00"sv,
+               "an HDF4 file, which is not read: convert it to HDF5 (h4toh5)"},
+        Closed{"FORMAT\x00\x00BINARY\x00\x00NUM_HEADER_BLOCKS\x00"sv,
+               "an MTS RPC III time history (.rsp, .rpc, .drv), which is not read: export it as "
+               "MATLAB (.mat) or text with the RPC software"},
+        Closed{"Format,2.0B;Memory Length,4;Source,CH1;\nWaveform Data;\n#48\x01\x02"sv,
+               "a GW Instek waveform (.lsf), whose samples are binary, which is not read: save the "
+               "waveform as CSV on the oscilloscope, with its times"},
+        Closed{"DATASET test\nVERSION 1\nSERIES CH1\nRATE 1000\nSTORAGE_MODE INTERLACED\n"sv,
+               "the header of a DADiSP or TEAC data set, whose samples are in the .dat beside it, "
+               "which is not read: export it as text or MATLAB (.mat) with the program that wrote "
+               "it"},
+        Closed{"<SALEAE>\x00\x00"sv,
+               "a binary export of Saleae Logic, which is not read: export the analog channels as "
+               "CSV"},
         Closed{"SPBXDS\x01"sv,
                "the memory of an OWON oscilloscope (.bin), which is not read: save the waveform as "
                "CSV on the oscilloscope, with its times"},
