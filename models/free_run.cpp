@@ -57,7 +57,8 @@ void FreeRun::start() {
   first_ = first_turn / fastest;
   const BeamEnergy energy = bar_.energy();
   energy_at_start_ = energy.kinetic + energy.elastic + energy.spring + energy.gravitational;
-  result_.energy.initial = energy_scale_;
+  // of a bar that begins stretched as it turns, a little more than the straight one's
+  result_.energy.initial = std::max(energy_scale_, rotation ? 0.0 : energy.kinetic);
   result_.energy.elastic_at_start = energy.elastic;
   result_.energy.gravitational = -energy.gravitational;
   result_.history.interval = options_.history.interval;
