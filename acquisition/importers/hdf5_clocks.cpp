@@ -224,7 +224,7 @@ class ClockSetter {
   void set_other_abscissa(std::size_t axis, const std::vector<std::size_t>& of) {
     double first = 0.0, last = 0.0;
     std::uint64_t count = 0;
-    each_value(axis, [&](std::span<const double> values) {
+    each_value(axis, {0, slices_[axis].count}, [&](std::span<const double> values) {
       if (count == 0) first = values.front();
       last = values.back();
       count += values.size();
@@ -263,7 +263,10 @@ class ClockSetter {
                            const std::vector<NamedArray>& arrays, const ImportOptions& options) {
     ArrayClocks found = clocks_by_name(
         file_.path, arrays,
-        [this, &which](std::size_t k, const auto& use) { each_value(which[k], use); }, options);
+        [this, &which](std::size_t k, const NumberRange& range, const auto& use) {
+          each_value(which[k], range, use);
+        },
+        options);
     for (const std::string& warning : found.warnings) file_.warn(warning);
     for (std::size_t k = 0; k < which.size(); ++k) {
       ArrayClock& clock = found.clocks[k];
@@ -297,15 +300,22 @@ class ClockSetter {
 
   /// Hands the values of a channel to `use`; of integers that doubles do not hold, what they are
   /// more than the first.
-  void each_value(std::size_t index, const std::function<void(std::span<const double>)>& use) {
+  void each_value(std::size_t index, const NumberRange& range,
+                  const std::function<void(std::span<const double>)>& use) {
     const Channel& channel = channels_[index];
-    const Hdf5Slice slice = as_times(index);
+    Hdf5Slice slice = as_times(index);
+    // what counts from the first number has to begin there
+    std::uint64_t passed = slice.from_first ? range.first : 0;
+    slice.first += range.first - passed;
+    slice.count = passed + range.count;
     const double offset = slice.from_first ? 0.0 : channel.offset;
     std::vector<double> values;
     each_number_of(file_.path, slice, [&](std::span<const double> numbers) {
-      values.assign(numbers.begin(), numbers.end());
+      const auto before = std::min<std::uint64_t>(passed, numbers.size());
+      passed -= before;
+      values.assign(numbers.begin() + static_cast<std::ptrdiff_t>(before), numbers.end());
       for (double& value : values) value = channel.scale * value + offset;
-      use(values);
+      if (!values.empty()) use(values);
     });
   }
 
@@ -367,7 +377,8 @@ class ClockSetter {
       const auto index = static_cast<std::size_t>(found - channels_.begin());
       if (slices_[index].count != 1 || slices_[index].array->complex) return std::nullopt;
       double value = 0.0;
-      each_value(index, [&value](std::span<const double> values) { value = values.front(); });
+      each_value(index, {0, 1},
+                 [&value](std::span<const double> values) { value = values.front(); });
       return value;
     };
     const auto text = [this](const std::string& name) {

@@ -152,8 +152,8 @@ class MatRecord {
     }
     ArrayClocks found = clocks_by_name(
         contents_.file->path(), arrays,
-        [this](std::size_t i, const auto& use) {
-          each_number(*contents_.file, stored_[i].samples, use);
+        [this](std::size_t i, const NumberRange& range, const auto& use) {
+          each_number(*contents_.file, stored_[i].samples, range.first, range.count, use);
         },
         options);
     for (std::size_t i = 0; i < stored_.size(); ++i) {

@@ -165,7 +165,8 @@ class ClockFinder {
       : path_(path),
         arrays_(arrays),
         each_number_(each_number),
-        wanted_(options.time_column) {}
+        wanted_(options.time_column),
+        head_only_(options.head_only) {}
 
   ArrayClocks find() {
     result_.clocks.resize(arrays_.size());
@@ -259,7 +260,8 @@ class ClockFinder {
     const bool start = among(start_words, word);
     if (!interval && !start && !among(rate_words, word)) return;
     Ends value;
-    each_number_(index, [&value](std::span<const double> numbers) { value.add(numbers); });
+    each_number_(index, {0, arrays_[index].samples},
+                 [&value](std::span<const double> numbers) { value.add(numbers); });
     if (value.count != 1 || !std::isfinite(value.first)) return;
     if (start) {
       if (std::abs(value.first) < latest_start)
@@ -337,9 +339,21 @@ class ClockFinder {
     }
   }
 
+  /// The numbers that are looked at from the first on: all, but where the head alone is asked for.
+  NumberRange looked_at(std::size_t index) const {
+    constexpr std::uint64_t few = 32768;
+    const std::uint64_t all = arrays_[index].samples;
+    return {0, head_only_ && all > 2 * few ? few : all};
+  }
+
   Ends ends_of(std::size_t index) {
     Ends ends;
-    each_number_(index, [&ends](std::span<const double> values) { ends.add(values); });
+    const auto add = [&ends](std::span<const double> values) { ends.add(values); };
+    const std::uint64_t all = arrays_[index].samples;
+    const NumberRange first = looked_at(index);
+    each_number_(index, first, add);
+    if (first.count < all) each_number_(index, {all - first.count, first.count}, add);
+    if (ends.count == std::min(all, 2 * first.count)) ends.count = all;
     return ends;
   }
 
@@ -424,7 +438,7 @@ class ClockFinder {
     const double unit = arrays_[index].seconds;
     TimeAxisCheck check(in_seconds(ends.first, unit), in_seconds(ends.last, unit), ends.count);
     std::vector<double> seconds;
-    each_number_(index, [&](std::span<const double> values) {
+    each_number_(index, looked_at(index), [&](std::span<const double> values) {
       if (unit == 1.0) return check.add(values);
       seconds.assign(values.begin(), values.end());
       for (double& time : seconds) time = in_seconds(time, unit);
@@ -485,6 +499,7 @@ class ClockFinder {
   std::vector<NamedArray> arrays_;
   const EachNumber& each_number_;
   const std::optional<std::string>& wanted_;
+  bool head_only_;
   ArrayClocks result_;
   /// Arrays that may hold the times, by group and length, in their order.
   std::map<std::pair<std::string, std::uint64_t>, std::vector<std::size_t>> times_;

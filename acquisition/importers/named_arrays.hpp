@@ -50,9 +50,14 @@ struct ArrayClock {
   std::string unusable{};  ///< what is stated and can be no interval: "'dt' as 0"
 };
 
-/// Hands the numbers of array `index` to `use`, in pieces and in their order.
-using EachNumber =
-    std::function<void(std::size_t index, const std::function<void(std::span<const double>)>& use)>;
+/// Some of an array's numbers that follow each other.
+struct NumberRange {
+  std::uint64_t first = 0, count = 0;
+};
+
+/// Hands these numbers of array `index` to `use`, in pieces and in their order.
+using EachNumber = std::function<void(std::size_t index, const NumberRange& range,
+                                      const std::function<void(std::span<const double>)>& use)>;
 
 struct ArrayClocks {
   std::vector<ArrayClock> clocks;     ///< one an array
@@ -65,8 +70,9 @@ struct ArrayClocks {
 /// throughout), else a single number that is the sampling interval ("dt", "sampleInterval", ...) or
 /// rate ("Fs", "SampleRate", ...), else the first column of a matrix. Times that contradict other
 /// times or such a number are a warning. What stands in an array's own group counts before what
-/// stands around it, up to the top. An array that may hold the times is read twice, and not kept.
-/// Throws datasets::InputError when a stated time column is not there.
+/// stands around it, up to the top. An array that may hold the times is read twice, and not
+/// kept; where the head alone is asked for, its first and last numbers stand for all. Throws
+/// datasets::InputError when a stated time column is not there.
 ArrayClocks clocks_by_name(const std::string& path, const std::vector<NamedArray>& arrays,
                            const EachNumber& each_number, const ImportOptions& options);
 

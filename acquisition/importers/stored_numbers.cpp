@@ -96,16 +96,22 @@ void read_numbers(const MappedFile& file, const StoredNumbers& numbers, std::uin
   cursor.read(to.size(), to.data());
 }
 
-void each_number(const MappedFile& file, const StoredNumbers& numbers,
-                 const std::function<void(std::span<const double>)>& use) {
+void each_number(const MappedFile& file, const StoredNumbers& numbers, std::uint64_t first,
+                 std::uint64_t count, const std::function<void(std::span<const double>)>& use) {
   FileWindow window(file);
   NumberCursor cursor(window, numbers);
+  cursor.skip(first);
   std::vector<double> block;
-  for (std::uint64_t i = 0; i < numbers.size(); i += block.size()) {
-    block.resize(std::min(numbers_at_once, numbers.size() - i));
+  for (std::uint64_t i = 0; i < count; i += block.size()) {
+    block.resize(std::min<std::uint64_t>(numbers_at_once, count - i));
     cursor.read(block.size(), block.data());
     use(block);
   }
+}
+
+void each_number(const MappedFile& file, const StoredNumbers& numbers,
+                 const std::function<void(std::span<const double>)>& use) {
+  each_number(file, numbers, 0, numbers.size(), use);
 }
 
 std::string set_stored_times(const MappedFile& file, const StoredNumbers& times,

@@ -100,7 +100,12 @@ struct StoredChannel {
 void read_numbers(const MappedFile& file, const StoredNumbers& numbers, std::uint64_t first,
                   std::span<double> to);
 
-/// Hands all to `use`, in pieces and in their order.
+/// Hands `count` of them, from the one with index `first` on, to `use`, in pieces and in their
+/// order.
+void each_number(const MappedFile& file, const StoredNumbers& numbers, std::uint64_t first,
+                 std::uint64_t count, const std::function<void(std::span<const double>)>& use);
+
+/// All of them.
 void each_number(const MappedFile& file, const StoredNumbers& numbers,
                  const std::function<void(std::span<const double>)>& use);
 

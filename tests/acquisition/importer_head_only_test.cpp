@@ -13,6 +13,7 @@
 #include "acquisition/importer.hpp"
 #include "datasets/input_error.hpp"
 #include "tests/acquisition/lvm_bytes.hpp"
+#include "tests/acquisition/numpy_bytes.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -283,6 +284,27 @@ TEST(HeadOnly, OfASmallFileIsCounted) {
   const auto reader = opened(file, true);
   EXPECT_TRUE(reader->head().counted);
   EXPECT_EQ(reader->head().samples, opened(file, false)->head().samples);
+}
+
+// Which the first and the last stand for: a spoilt one between them is seen when they are read.
+TEST(HeadOnly, OfAnArrayItsTimesAreNotReadThrough) {
+  static constexpr int n = 200000;
+  const auto array = [](int spoilt) {
+    std::string bytes;
+    for (int k = 0; k < n; ++k)
+      bytes += tests::little(k == spoilt ? 0.0 : 0.25 * k) + tests::little(1.0 - k % 7);
+    return tests::npy("'<f8'", fmt::format("({}, 2)", n), bytes);
+  };
+  const auto interval = [](const std::string& bytes, bool head_only) {
+    const tests::WrittenFile file(bytes, ".npy");
+    return opened(file, head_only)->head().record.channels.at(1).clock.interval;
+  };
+  EXPECT_EQ(interval(array(-1), false), 0.25);
+  EXPECT_EQ(interval(array(-1), true), 0.25);
+  EXPECT_EQ(interval(array(n / 2), false), 0.0);
+  EXPECT_EQ(interval(array(n / 2), true), 0.25);
+  EXPECT_EQ(interval(array(n - 5), true), 0.0);
+  EXPECT_EQ(interval(array(5), true), 0.0);
 }
 
 }  // namespace
