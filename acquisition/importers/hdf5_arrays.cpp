@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "acquisition/importers/child_process.hpp"
+#include "acquisition/importers/clock_words.hpp"
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/hdf5_sender.hpp"
-#include "acquisition/importers/named_arrays.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/hdf5_handle.hpp"

@@ -12,6 +12,7 @@
 #include <span>
 #include <string_view>
 
+#include "acquisition/importers/clock_words.hpp"
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/mat_programs.hpp"

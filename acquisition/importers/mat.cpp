@@ -6,6 +6,7 @@
 #include <set>
 #include <span>
 
+#include "acquisition/importers/clock_words.hpp"
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/header_fields.hpp"

@@ -7,7 +7,7 @@
 #include <array>
 #include <set>
 
-#include "acquisition/importers/named_arrays.hpp"
+#include "acquisition/importers/clock_words.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
 

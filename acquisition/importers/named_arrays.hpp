@@ -24,18 +24,6 @@ struct NamedArray {
   std::vector<std::string> other_names{};  ///< by links, as `name`: it is in these groups too
 };
 
-/// "us" of "run.time_us" and "N" of "/run/Force [N]"; "" where the name does not end so.
-std::string unit_by_name(std::string_view name);
-
-/// Whether an array is called what times are: "run.t", "Time".
-bool is_named_as_time(std::string_view name);
-
-/// The sample interval that a property of this name states, as "Sampling_Rate", "fs_Hz" or "dt
-/// (ms)", as a number or a text that begins with one, with its unit or without [s, > 0]; none of
-/// other names, and where it can be none.
-std::optional<double> interval_by_name(std::string_view name, double value);
-std::optional<double> interval_by_name(std::string_view name, std::string_view text);
-
 /// Says of an array that its numbers have a unit: of times, of intervals and rates it counts; what
 /// has another one holds no times.
 void take_unit(NamedArray& array, const std::string& unit);

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "acquisition/importers/byte_cursor.hpp"
+#include "acquisition/importers/clock_words.hpp"
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/header_fields.hpp"
-#include "acquisition/importers/named_arrays.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/stored_numbers.hpp"
 #include "acquisition/importers/tdms_clock.hpp"

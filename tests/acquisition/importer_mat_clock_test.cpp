@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "acquisition/importer.hpp"
-#include "acquisition/importers/named_arrays.hpp"
+#include "acquisition/importers/clock_words.hpp"
 #include "datasets/input_error.hpp"
 #include "tests/acquisition/mat_byte_order.hpp"
 #include "tests/acquisition/mat_bytes.hpp"
