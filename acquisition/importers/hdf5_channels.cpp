@@ -376,11 +376,32 @@ class ChannelMaker {
     const Column column = column_of(slice);
     channel.unit = unit_of(array, name, column.which, column.columns);
     if (channel.unit.empty()) channel.unit = unit;
+    if (channel.unit.empty()) channel.unit = unit_of_group(array.path);
     if (channel.unit.empty() && made_.matlab) channel.unit = labels_.unit_of(name);
     take_packing(channel, slice);
     channel.quantity = datasets::quantity_of_unit(channel.unit);
     made_.record.channels.push_back(std::move(channel));
     made_.slices.push_back(slice);
+  }
+
+  /// Of a group that has a unit, and no other data set that it could be of.
+  std::string unit_of_group(std::string_view path) const {
+    const auto parent_of = [](std::string_view within) {
+      return within.substr(0, std::max<std::size_t>(within.rfind('/'), 1));
+    };
+    const std::string_view parent = parent_of(path);
+    const auto group = made_.listing.groups.find(std::string(parent));
+    if (group == made_.listing.groups.end()) return {};
+    const auto& texts = group->second.texts;
+    const auto stated =
+        std::ranges::find_if(texts, [](const auto& text) { return is_unit_key(text.first); });
+    if (stated == texts.end() ||
+        datasets::quantity_of_unit(stated->second) == datasets::Quantity::unknown)
+      return {};
+    const auto count = std::ranges::count_if(made_.listing.arrays, [&](const Hdf5Array& array) {
+      return parent_of(array.path) == parent;
+    });
+    return count == 1 ? stated->second : std::string();
   }
 
   /// "1024 x 2", as the program has it that wrote it.

@@ -340,6 +340,29 @@ TEST(Hdf5Facts, AStartIsInTheUnitOfItsInterval) {
   EXPECT_DOUBLE_EQ(all.start, -5e-6);
 }
 
+TEST(Hdf5Facts, AGroupsUnitIsThatOfItsOnlyDataSet) {
+  const Hdf5File file;
+  file.group("/force");
+  file.text("/force", "Unit", "kN");
+  file.number("/force", "dt", 1e-3);
+  file.doubles("/force/data", {1, 2, 3});
+  file.group("/end");
+  file.text("/end", "Unit", "bar end");
+  file.doubles("/end/data", {1, 2, 3});
+  file.group("/both");
+  file.text("/both", "Unit", "N");
+  file.doubles("/both/a", {1, 2, 3});
+  file.doubles("/both/b", {1, 2, 3});
+  ImportOptions options;
+  options.sample_rate = 1000.0;
+  const auto record = imported(file.bytes(), options);
+  std::map<std::string, std::string> units;
+  for (const auto& channel : record.channels) units[channel.name] = channel.unit;
+  EXPECT_EQ(units,
+            (std::map<std::string, std::string>{
+                {"/force/data", "kN"}, {"/end/data", ""}, {"/both/a", ""}, {"/both/b", ""}}));
+}
+
 TEST(Hdf5Facts, ARateMayHaveManyNames) {
   const auto interval = [](const std::string& name, double value) {
     const Hdf5File file;
