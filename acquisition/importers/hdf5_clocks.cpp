@@ -281,11 +281,14 @@ class ClockSetter {
   void tell_origin(std::size_t index, const NamedArray& times) {
     if (!origins_.contains(index) || !as_times(index).from_first) return;
     const Channel& channel = channels_[index];
-    const double origin = channel.scale * origins_.at(index) + channel.offset;
+    const double origin =
+        times.seconds * (channel.scale * origins_.at(index) + channel.offset);  // [s]
     file_.warn(
         fmt::format("'{}' begins at {:.3f} s: times are told from there, since a double does not "
                     "hold them",
-                    times.name, times.seconds * origin));
+                    times.name, origin));
+    if (file_.record.started.empty() && is_since_1970(origin))
+      file_.record.started = iso_time_utc(std::round(origin * 1e6) / 1e6);
   }
 
   void add_time_column(const std::string& text) {

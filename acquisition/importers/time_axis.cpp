@@ -436,10 +436,14 @@ std::string iso_date(std::string_view text) {
                      second);
 }
 
-std::string unit_since_1970(double time) {
+bool is_since_1970(double seconds) {
   constexpr double year = 365.25 * 86400.0;
+  return seconds > 30.0 * year && seconds < 90.0 * year;
+}
+
+std::string unit_since_1970(double time) {
   for (const auto& [unit, seconds] : {std::pair{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}})
-    if (time * seconds > 30.0 * year && time * seconds < 90.0 * year) return unit;
+    if (is_since_1970(time * seconds)) return unit;
   return {};
 }
 

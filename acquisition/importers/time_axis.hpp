@@ -35,6 +35,9 @@ TimeAxis time_axis(std::vector<double> times, double stated = 0.0);
 /// "" for numbers of other sizes, and for seconds.
 std::string unit_since_1970(double time);
 
+/// Whether a time [s] is one of recordings, from 2000 to 2060, counted from 1970.
+bool is_since_1970(double seconds);
+
 /// Whether times may be days, as spreadsheets and MATLAB count them: of that size, and in steps
 /// that as seconds would be those of 20 MHz and more.
 bool may_count_days(double first, double step);

@@ -455,6 +455,7 @@ TEST(Hdf5Clock, OfLargeIntegersIsTakenFromTheirFirst) {
     EXPECT_EQ(force.clock.start, 0.0);
     EXPECT_THAT(record.warnings, Contains("'/time' begins at 1709290000.000 s: times are told from "
                                           "there, since a double does not hold them"));
+    EXPECT_EQ(record.started, "2024-03-01T10:46:40Z");
     if (!uneven) {
       EXPECT_DOUBLE_EQ(force.clock.interval, 1e-7);
       continue;
