@@ -17,6 +17,7 @@
 #include "models/implicit/dense_motion.hpp"
 #include "models/modal/arrival.hpp"
 #include "models/modal/small_motion_run.hpp"
+#include "models/rigid_swing.hpp"
 #include "models/sensitivities/full_sensitivities.hpp"
 #include "models/settled_solution.hpp"
 #include "models/settled_swing.hpp"
@@ -323,6 +324,22 @@ bool feels_release(const Rig& rig, const Solver& solver, const SimulationOptions
   return !vibration || *vibration > solver.accuracy;
 }
 
+/// A damper that hardly lets the bar arrive leaves it what the swing's last digits are.
+void warn_of_creeping(const Rig& rig, Simulation& result) {
+  constexpr double last_digits = 1e-5;  // of the speed it would have without a damper
+  if (!rig.start.release_angle || rig.hinge.viscous == 0.0 || result.episodes.empty()) return;
+  const double free =
+      rig.contact.position * std::sqrt(2.0 * RigidSwing(rig).available(-*rig.start.release_angle) /
+                                       rig.beam.hinge_inertia());
+  const double speed = result.episodes.front().approach_velocity;
+  if (!(speed < last_digits * free)) return;
+  result.warnings.push_back(fmt::format(
+      "the damper in the hinge lets the bar creep to its stop: it touches at {:.2g} m/s, {:.1g} of "
+      "what it would have without, which the last digits of the swing decide, and all numbers of "
+      "its contacts with it. State less hinge.viscous, or a start.velocity.",
+      speed, speed / free));
+}
+
 /// In small motion where that will do, else by the full equations in the time that is left.
 Simulation solve(const Rig& rig, const Solver& solver, const SimulationOptions& options,
                  const TimeLimit& limit) {
@@ -338,6 +355,7 @@ Simulation solve(const Rig& rig, const Solver& solver, const SimulationOptions& 
   }
   result->solver = solver;
   tell_swing(rig, used, *result);
+  warn_of_creeping(rig, *result);
   return *std::move(result);
 }
 

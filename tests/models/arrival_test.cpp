@@ -170,6 +170,15 @@ TEST(Arrival, OfABarHeldBackByItsHingeIsFollowed) {
   EXPECT_THAT(simulate(rig, chain).taken, Contains(Simplification::swing_to_touch));
 }
 
+TEST(Arrival, ThatHardlyComesAboutIsTold) {
+  Rig rig = released(0.1);
+  const auto creeps = Contains(testing::HasSubstr("lets the bar creep to its stop"));
+  rig.hinge.viscous = 2.785;
+  EXPECT_THAT(simulate(rig, ancf(3, 1, 1e-3, 1e-3)).warnings, creeps);
+  rig.hinge.viscous = 2.5;
+  EXPECT_THAT(simulate(rig, ancf(3, 1, 1e-3, 1e-3)).warnings, Not(creeps));
+}
+
 TEST(Arrival, IsThatOfSingleRunsInAnEnsemble) {
   std::vector<Rig> rigs;
   for (int k = 0; k < 40; ++k) {
