@@ -230,8 +230,10 @@ bool CollocationRun::leap() {
   for (ContactPoint& point : points_) {
     point.drop_series();
     if (point.struck().displacement > through * point.depth())
-      throw std::logic_error(
-          fmt::format("a flight has led through a stop, {:g} s after first touch", t_));
+      throw std::runtime_error(fmt::format(
+          "a flight has led through a stop, {:g} s after first touch; ask for the full equations "
+          "(--exact)",
+          t_));
   }
   if (time >= left) {
     tried_.end = End::run;
