@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 #include "acquisition/importers/column_heads.hpp"
@@ -385,7 +386,7 @@ class ChannelMaker {
   }
 
   /// Of a group that has a unit, and no other data set that it could be of.
-  std::string unit_of_group(std::string_view path) const {
+  std::string unit_of_group(std::string_view path) {
     const auto parent_of = [](std::string_view within) {
       return within.substr(0, std::max<std::size_t>(within.rfind('/'), 1));
     };
@@ -398,10 +399,10 @@ class ChannelMaker {
     if (stated == texts.end() ||
         datasets::quantity_of_unit(stated->second) == datasets::Quantity::unknown)
       return {};
-    const auto count = std::ranges::count_if(made_.listing.arrays, [&](const Hdf5Array& array) {
-      return parent_of(array.path) == parent;
-    });
-    return count == 1 ? stated->second : std::string();
+    if (sets_.empty())
+      for (const Hdf5Array& array : made_.listing.arrays)
+        ++sets_[std::string(parent_of(array.path))];
+    return sets_[std::string(parent)] == 1 ? stated->second : std::string();
   }
 
   /// "1024 x 2", as the program has it that wrote it.
@@ -472,7 +473,8 @@ class ChannelMaker {
   Hdf5Channels& made_;
   const MatContents matlab_;
   const MatLabels labels_;
-  std::set<std::string> told_;  // variables that are no numbers
+  std::set<std::string> told_;       // variables that are no numbers
+  std::map<std::string, int> sets_;  // data sets of each group, once one asks
 };
 
 /// "not read: " and what, as far as it is no longer than a reader likes.

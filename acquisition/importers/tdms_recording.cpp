@@ -420,17 +420,18 @@ class Recording {
   /// What users have written of the rate, of the channel, its group or all, where nothing else
   /// tells it.
   void set_clocks_by_properties() {
+    std::map<std::string_view, const TdmsProperties*> groups;
+    for (const TdmsObject& object : objects_)
+      if (object.depth == 1) groups.emplace(object.group, &object.properties);
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       Channel& channel = record_.channels[i];
       if (!seconds_of_abscissa(channels_[i].part->properties)) continue;
       if (!channel.clock.uniform() || (channel.clock.interval != 0.0 && !is_default(channel.clock)))
         continue;
-      const auto group = std::ranges::find_if(objects_, [&](const TdmsObject& object) {
-        return object.depth == 1 && object.group == channels_[i].object->group;
-      });
-      const TdmsProperties* const places[] = {
-          &channels_[i].part->properties, group == objects_.end() ? nullptr : &group->properties,
-          root_ == nullptr ? nullptr : &root_->properties};
+      const auto group = groups.find(channels_[i].object->group);
+      const TdmsProperties* const places[] = {&channels_[i].part->properties,
+                                              group == groups.end() ? nullptr : group->second,
+                                              root_ == nullptr ? nullptr : &root_->properties};
       for (const TdmsProperties* const place : places)
         if (place != nullptr && set_clock_by(*place, channel)) break;
     }
