@@ -5,6 +5,8 @@
 #include <array>
 
 #include "acquisition/importers/formats.hpp"
+#include "acquisition/importers/number.hpp"
+#include "acquisition/importers/text_file.hpp"
 
 namespace impactrig::acquisition {
 
@@ -190,6 +192,29 @@ const Ending* known_ending(std::string_view file_name) {
   return found == endings.end() ? nullptr : &*found;
 }
 
+/// Whether text ends with `letter` in either case behind a count: "4A".
+bool counts_of(std::string_view text, char letter) {
+  const std::string_view cell = trimmed(text);
+  if (cell.size() < 2 || (cell.back() | 0x20) != letter) return false;
+  return integer_in(trimmed(cell.substr(0, cell.size() - 1))).has_value();
+}
+
+/// The second line of a COMTRADE configuration counts its channels (IEEE C37.111, 5.4):
+/// "6,4A,2D".
+bool is_comtrade(std::string_view head) {
+  const char* at = head.data();
+  const char* const end = at + head.size();
+  take_line(at, end);
+  const std::string_view line = take_line(at, end);
+  const std::size_t first = line.find(',');
+  if (first == std::string_view::npos) return false;
+  const std::size_t second = line.find(',', first + 1);
+  if (second == std::string_view::npos) return false;
+  return integer_in(trimmed(line.substr(0, first))) &&
+         counts_of(line.substr(first + 1, second - first - 1), 'a') &&
+         counts_of(line.substr(second + 1), 'd');
+}
+
 }  // namespace
 
 std::string closed_ending(std::string_view file_name) {
@@ -202,6 +227,10 @@ std::string closed_ending(std::string_view file_name) {
 }
 
 std::string closed_format(std::string_view file_name, std::string_view head) {
+  if (is_comtrade(head))
+    return "this is the configuration of a COMTRADE recording (.cfg), whose samples are in the "
+           ".dat beside it, which is not read: export it as CSV or MATLAB (.mat) with the program "
+           "that wrote it";
   for (const Signature& signature : signatures) {
     if (head.size() < signature.offset) continue;
     if (!head.substr(signature.offset).starts_with(signature.bytes)) continue;

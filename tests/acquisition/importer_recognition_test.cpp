@@ -187,7 +187,16 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"<?xml version=\"1.0\"?>\n<Prop Value=\"eRS_SIGNAL_FORMAT_FLOAT\"/>"sv,
                "the description of a Rohde & Schwarz waveform (.bin), whose samples are in the "
                ".Wfm.bin beside it, which is not read: save the waveform as CSV on the "
-               "oscilloscope, with its times"}));
+               "oscilloscope, with its times"},
+        Closed{"STATION,IED 7,1999\r\n  3, 2A , 1d\r\n1,IA,A,,A,0.1,0,0,-32767,32767,1,1,P\r\n"sv,
+               "the configuration of a COMTRADE recording (.cfg), whose samples are in the .dat "
+               "beside it, which is not read: export it as CSV or MATLAB (.mat) with the program "
+               "that wrote it"}));
+
+TEST(ClosedFormats, AreNoTablesWhoseSecondRowHoldsThreeCells) {
+  EXPECT_EQ(imported("t [s],A,D\n0,1,2\n1,2,3\n").channels.size(), 2U);
+  EXPECT_EQ(imported("t,4A,2D\ns,A,D\n0,1,2\n1,2,3\n").channels.size(), 2U);
+}
 
 TEST(ClosedFormats, AreNotTakenForColumnsThatAreNamedLikeThem) {
   for (const std::string name : {"PAR1", "ARROW1", "BZh", "CDF", "Rar!", "{F}", "[{F}]"}) {
