@@ -403,6 +403,18 @@ Eigen::VectorXd AncfBeam::small_motion_load() const {
   return linear_.small_motion_load();
 }
 
+Eigen::MatrixXd AncfBeam::own_values(const Eigen::MatrixXd& shapes) const {
+  return linear_.own_values(shapes);
+}
+
+Eigen::MatrixXd AncfBeam::shapes_of(const Eigen::MatrixXd& own) const {
+  return linear_.shapes_of(own);
+}
+
+Eigen::MatrixXd AncfBeam::strains(const Eigen::MatrixXd& own) const {
+  return linear_.strains(own);
+}
+
 double AncfBeam::kinetic_energy(ConstVector v) const {
   double energy = 0.0;
   Eigen::VectorXd product(dofs_);

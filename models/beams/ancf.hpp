@@ -55,6 +55,9 @@ class AncfBeam : public BeamDynamics {
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
   Eigen::VectorXd small_motion_load() const override;
+  Eigen::MatrixXd own_values(const Eigen::MatrixXd& shapes) const override;
+  Eigen::MatrixXd shapes_of(const Eigen::MatrixXd& own) const override;
+  Eigen::MatrixXd strains(const Eigen::MatrixXd& own) const override;
   double damping_power(ConstVector q, ConstVector v) const override;
   BeamEnergy energy(ConstVector q, ConstVector v) const override;
   RigidPart rigid_part(ConstVector q, ConstVector v) const override;

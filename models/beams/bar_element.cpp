@@ -98,6 +98,23 @@ BarElement::Matrix BarElement::stiffness() const {
   return k;
 }
 
+/// The nodes' are the turn between the sections and what these turn on average against the chord.
+Eigen::Matrix<double, BarElement::values - 2, BarElement::values - 2> BarElement::strain() const {
+  const double turn = std::sqrt(bending_stiffness / length);
+  const double chord = turn * std::sqrt(3.0 / (1.0 + shear_share()));
+  Eigen::Matrix<double, values - 2, values - 2> strain;
+  strain.setZero();
+  strain(0, 1) = turn;
+  strain(1, 0) = -2.0 / length * chord;
+  strain(1, 1) = chord;
+  if (!shears()) return strain;
+  strain(2, 2) = std::sqrt(16.0 / (3.0 * length * shear_compliance));
+  strain(3, 3) = std::sqrt(16.0 * bending_stiffness / (3.0 * length) +
+                           4.0 * length / (9.0 * shear_compliance));
+  strain(4, 4) = std::sqrt(1.0 / (5.0 * length * shear_compliance));
+  return strain;
+}
+
 namespace {
 
 /// The two sides of the struck point, [from, to].

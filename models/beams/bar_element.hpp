@@ -44,6 +44,9 @@ struct BarElement {
 
   Matrix mass() const;       ///< ∫ ρA w'w + ρI θ'θ dx
   Matrix stiffness() const;  ///< of bending and shear
+  /// Each strain by the root of what resists it, by what the second node deflects and turns beyond
+  /// a rigid element and the values inside: the stiffness is its product with itself.
+  Eigen::Matrix<double, values - 2, values - 2> strain() const;
 
   double shear_share() const;  ///< Φ [-]
 

@@ -443,6 +443,10 @@ Eigen::VectorXd FloatingFrameBeam::small_motion_row(double x) const {
   return row;
 }
 
+Eigen::MatrixXd FloatingFrameBeam::strains(const Eigen::MatrixXd& own) const {
+  return stiffness_.tail(bending_).cwiseSqrt().asDiagonal() * own.bottomRows(bending_);
+}
+
 Eigen::VectorXd FloatingFrameBeam::small_motion_load() const {
   Eigen::VectorXd load(1 + bending_);
   load[0] = -gravity_across_ * stations_.mass.dot(stations_.x);

@@ -97,6 +97,7 @@ class FloatingFrameBeam : public BeamDynamics {
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
   Eigen::VectorXd small_motion_load() const override;
+  Eigen::MatrixXd strains(const Eigen::MatrixXd& own) const override;
 
   Eigen::VectorXd frame() const override { return -Eigen::VectorXd::Unit(1 + bending_, 0); }
 

@@ -155,6 +155,37 @@ Eigen::VectorXd LinearBar::small_motion_load() const {
   return load;
 }
 
+Eigen::MatrixXd LinearBar::own_values(const Eigen::MatrixXd& shapes) const {
+  Eigen::MatrixXd own = shapes;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const std::array<int, BarElement::values> at = places(e);
+    if (at[0] >= 0) own.row(at[2]) -= shapes.row(at[0]);
+    own.row(at[2]) -= elements_[e].length * shapes.row(at[1]);
+    own.row(at[3]) -= shapes.row(at[1]);
+  }
+  return own;
+}
+
+Eigen::MatrixXd LinearBar::shapes_of(const Eigen::MatrixXd& own) const {
+  Eigen::MatrixXd shapes = own;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const std::array<int, BarElement::values> at = places(e);
+    if (at[0] >= 0) shapes.row(at[2]) += shapes.row(at[0]);
+    shapes.row(at[2]) += elements_[e].length * shapes.row(at[1]);
+    shapes.row(at[3]) += shapes.row(at[1]);
+  }
+  return shapes;
+}
+
+Eigen::MatrixXd LinearBar::strains(const Eigen::MatrixXd& own) const {
+  const int each = values_of_element();
+  Eigen::MatrixXd strains(each * static_cast<Eigen::Index>(elements_.size()), own.cols());
+  for (std::size_t e = 0; e < elements_.size(); ++e)
+    strains.middleRows(each * static_cast<Eigen::Index>(e), each).noalias() =
+        elements_[e].strain().topLeftCorner(each, each) * own.middleRows(places(e)[2], each);
+  return strains;
+}
+
 std::optional<BarModes> LinearBar::modes() const {
   return BarModeFinder(*this).all();
 }

@@ -15,7 +15,8 @@ namespace impactrig::models {
 /// the axis.
 ///
 /// q = [θ_0, (w, θ)_1, ..., (w, θ)_N], w against closing, θ = dw/dx where the bar does not shear;
-/// where it does, (w, θ, a, b, c)_e with the values inside of the element that ends there.
+/// where it does, (w, θ, a, b, c)_e with the values inside of the element that ends there. Its own
+/// values are what an element's end deflects and turns beyond a rigid one, in place of w and θ.
 class LinearBar : public SmallMotionBeam {
  public:
   LinearBar(const Rig& rig, std::vector<BarElement> elements);
@@ -23,6 +24,9 @@ class LinearBar : public SmallMotionBeam {
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
   Eigen::VectorXd small_motion_load() const override;
+  Eigen::MatrixXd own_values(const Eigen::MatrixXd& shapes) const override;
+  Eigen::MatrixXd shapes_of(const Eigen::MatrixXd& own) const override;
+  Eigen::MatrixXd strains(const Eigen::MatrixXd& own) const override;
   std::optional<BarModes> modes() const override;
 
   std::vector<BarElement> stretching_elements() const override {

@@ -241,6 +241,18 @@ Eigen::VectorXd ReissnerBeam::small_motion_load() const {
   return linear_.small_motion_load();
 }
 
+Eigen::MatrixXd ReissnerBeam::own_values(const Eigen::MatrixXd& shapes) const {
+  return linear_.own_values(shapes);
+}
+
+Eigen::MatrixXd ReissnerBeam::shapes_of(const Eigen::MatrixXd& own) const {
+  return linear_.shapes_of(own);
+}
+
+Eigen::MatrixXd ReissnerBeam::strains(const Eigen::MatrixXd& own) const {
+  return linear_.strains(own);
+}
+
 double ReissnerBeam::damping_power(ConstVector q, ConstVector v) const {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(size());
   subtract_damping(q, v, force);

@@ -241,16 +241,21 @@ void ModalBeam::coupled_drag(const Eigen::VectorXd& a, Eigen::VectorXd& drag) co
   drag.array() += hinge * (turned * hinge_.array() - hinge_.array().square() * a.array());
 }
 
-ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& damping) const {
+ModalSlope ModalBeam::slope(const BarInModes& change) const {
   const Eigen::Index m = omega_.size();
   const SmallMotion motion = beam_->small_motion();
+  const SmallMotion& by = change.motion;
   const Eigen::MatrixXd shapes = rows_.transpose();
+  const Eigen::MatrixXd strains = beam_->strains(own_values());
   const Eigen::VectorXd& h = motion.hinge;
-  const Eigen::MatrixXd coupled = motion.spring * (change.hinge * h.transpose());
-  const Eigen::MatrixXd stiffness = change.stiffness + change.gravity + coupled +
-                                    coupled.transpose() + change.spring * h * h.transpose();
-  const Eigen::MatrixXd k = rows_ * stiffness * shapes;
-  const Eigen::MatrixXd mass = rows_ * change.mass * shapes;
+  // of forms of the shapes as they move: half of each, the other is its transpose
+  const Eigen::VectorXd turn = change.shapes.transpose() * h + rows_ * by.hinge;
+  Eigen::MatrixXd k = strains.transpose() * change.strains +
+                      rows_ * (motion.gravity * change.shapes + 0.5 * by.gravity * shapes) +
+                      hinge_ * (motion.spring * turn + 0.5 * by.spring * hinge_).transpose();
+  Eigen::MatrixXd mass = rows_ * (motion.mass * change.shapes + 0.5 * by.mass * shapes);
+  k += k.transpose().eval();
+  mass += mass.transpose().eval();
   Eigen::MatrixXd turned(m, m);  // column k: mode k's change in the modes
   for (Eigen::Index i = 0; i < m; ++i)
     for (Eigen::Index j = 0; j < m; ++j) {
@@ -259,25 +264,26 @@ ModalSlope ModalBeam::slope(const SmallMotion& change, const ViscousDamping& dam
                             : (k(j, i) - square * mass(j, i)) / (square - omega_[j] * omega_[j]);
     }
   ModalSlope slope;
-  slope.shapes = shapes * turned;
+  slope.shapes = change.shapes + shapes * turned;
   slope.omega.resize(m);
   for (Eigen::Index i = 0; i < m; ++i)
     slope.omega[i] =
         omega_[i] > 0.0 ? (k(i, i) - omega_[i] * omega_[i] * mass(i, i)) / (2.0 * omega_[i]) : 0.0;
   const Eigen::ArrayXd turned_change =
-      2.0 * hinge_.array() * (rows_ * change.hinge + slope.shapes.transpose() * h).array();
-  const auto in_modes = [&](const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& other) {
-    return (shapes.array() * (matrix * other).array()).colwise().sum().transpose().eval();
+      2.0 * hinge_.array() * (rows_ * by.hinge + slope.shapes.transpose() * h).array();
+  const auto with_strains = [&strains](const Eigen::MatrixXd& others) {
+    return strains.cwiseProduct(others).colwise().sum().transpose().array().eval();
   };
+  const ViscousDamping& damping = change.damping;
   slope.damping =
       damping.mass + damping.hinge * hinge_.array().square() + viscous_.hinge * turned_change;
   if (damping.stiffness != 0.0 || viscous_.stiffness != 0.0)
-    slope.damping.array() += damping.stiffness * in_modes(motion.stiffness, shapes) +
-                             viscous_.stiffness * (in_modes(change.stiffness, shapes) +
-                                                   2.0 * in_modes(motion.stiffness, slope.shapes));
-  slope.load = row_slope(slope, motion.load, change.load);
+    slope.damping.array() +=
+        damping.stiffness * with_strains(strains) +
+        2.0 * viscous_.stiffness * with_strains(change.strains + strains * turned);
+  slope.load = row_slope(slope, motion.load, by.load);
   slope.rigid = slope.shapes.transpose() * (motion.mass * motion.rigid) +
-                rows_ * (change.mass * motion.rigid + motion.mass * change.rigid);
+                rows_ * (by.mass * motion.rigid + motion.mass * by.rigid);
   return slope;
 }
 
@@ -291,6 +297,15 @@ ModalBeam ModalBeam::moved(const ModalSlope& slope, double amount) const {
   bar.rigid_ += amount * slope.rigid;
   bar.load_ += amount * slope.load;
   return bar;
+}
+
+ModalBeam ModalBeam::only(const std::vector<Eigen::Index>& modes) const {
+  ModalBeam few = *this;
+  for (Eigen::VectorXd* const values :
+       {&few.omega_, &few.damping_, &few.struck_, &few.rigid_, &few.load_, &few.hinge_})
+    *values = (*values)(modes).eval();
+  for (Eigen::VectorXd& row : few.further_) row = row(modes).eval();
+  return few;
 }
 
 ModalBeam ModalBeam::with_mode(double omega, double damping, double struck) const {

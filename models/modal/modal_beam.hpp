@@ -93,10 +93,13 @@ class ModalBeam {
   /// element is far shorter than the others.
   double rounding() const;
 
-  /// How the modes change with a parameter on which small motion and damping depend like this; the
+  /// How the modes change with a parameter on which the bar and its damping depend like this; the
   /// points before the stops apart, of which row_slope() tells. First-order perturbation: each
   /// frequency must be its mode's alone.
-  ModalSlope slope(const SmallMotion& change, const ViscousDamping& damping) const;
+  ModalSlope slope(const BarInModes& change) const;
+
+  /// SmallMotionBeam::own_values() of the modes (n, m).
+  Eigen::MatrixXd own_values() const { return beam_->own_values(shapes()); }
 
   /// How a point's displacement under unit modal coordinates changes, whose row (n) is this and
   /// changes like that (m).
@@ -108,6 +111,9 @@ class ModalBeam {
   /// The bar with frequencies, damping, load, struck points and rigid rotation moved along a slope;
   /// for its responses alone.
   ModalBeam moved(const ModalSlope& slope, double amount) const;
+
+  /// Some of its modes, by their numbers; for their responses alone.
+  ModalBeam only(const std::vector<Eigen::Index>& modes) const;
 
   /// The bar with a mode more that the first stop sees, as the head of a stop that gives way is
   /// one; for its responses alone.

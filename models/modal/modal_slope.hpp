@@ -8,6 +8,16 @@
 
 namespace impactrig::models {
 
+/// What a bar's modes are made of, or its derivatives by a parameter, while each part of the bar
+/// bends as it does in its modes: what is in its way turns and moves with it, so that no stiff
+/// element is asked to bend with the bar.
+struct BarInModes {
+  SmallMotion motion;       ///< the stiffness apart, which is that of the strains
+  Eigen::MatrixXd shapes;   ///< SmallMotionBeam::shapes_of() the modes (n, m)
+  Eigen::MatrixXd strains;  ///< SmallMotionBeam::strains() (.., m)
+  ViscousDamping damping;
+};
+
 /// Derivatives of a bar's modes by a parameter. Modes turn into each other as the bar changes; the
 /// coordinates go with them, so that the moved bar is as uncoupled as the bar itself.
 struct ModalSlope {

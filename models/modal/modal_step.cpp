@@ -235,6 +235,60 @@ void ModalStep::become_sum(std::span<const ModalStep* const> steps, std::span<co
   }
 }
 
+ModalStep ModalStep::joined(std::span<const Share> shares, Eigen::Index m) {
+  const ModalStep& first = *shares.front().step;
+  ModalStep all(first.h_, m, first.nodes_);
+  all.further_.resize(first.further_.size());
+  all.of_force_.resize(first.of_force_.size());
+  all.set_zero();
+  for (const Share& share : shares) all.add(share);
+  all.response_.set_most();
+  return all;
+}
+
+void ModalStep::set_zero() {
+  numbers_.setZero();
+  const auto clear = [this](BarMotion::Response& response) {
+    response.displacement_of_force = response.velocity_of_force = NodeMatrix::Zero(nodes_, nodes_);
+  };
+  clear(response_);
+  for (BarMotion::Response& response : of_force_) clear(response);
+  for (Further& further : further_) {
+    further.of_a = further.of_rate = Eigen::MatrixXd::Zero(2 * nodes_, modes_);
+    further.a_of_force = further.rate_of_force = Eigen::MatrixXd::Zero(modes_, nodes_);
+  }
+}
+
+void ModalStep::add(const Share& share) {
+  using Numbers = Eigen::Map<Eigen::MatrixXd>;
+  const ModalStep& step = *share.step;
+  const std::vector<Eigen::Index>& modes = *share.modes;
+  for (auto number = static_cast<int>(Part::a_of_a); number < static_cast<int>(Part::end);
+       ++number) {
+    const auto part = static_cast<Part>(number);
+    if (part >= Part::of_a) {
+      Numbers(at(part), 2 * nodes_, modes_)(Eigen::all, modes) =
+          Rows(step.at(part), 2 * nodes_, step.modes_);
+      continue;
+    }
+    const Eigen::Index each = part >= Part::a_of_force ? nodes_ : 1;
+    Numbers(at(part), modes_, each)(modes, Eigen::all) = Rows(step.at(part), step.modes_, each);
+  }
+  for (std::size_t k = 0; k < further_.size(); ++k) {
+    further_[k].of_a(Eigen::all, modes) = step.further_[k].of_a;
+    further_[k].of_rate(Eigen::all, modes) = step.further_[k].of_rate;
+    further_[k].a_of_force(modes, Eigen::all) = step.further_[k].a_of_force;
+    further_[k].rate_of_force(modes, Eigen::all) = step.further_[k].rate_of_force;
+  }
+  const auto add_response = [](const BarMotion::Response& one, BarMotion::Response& to) {
+    to.displacement_of_force += one.displacement_of_force;
+    to.velocity_of_force += one.velocity_of_force;
+  };
+  add_response(step.response_, response_);
+  for (std::size_t k = 1; k < of_force_.size(); ++k)  // the first is response_
+    add_response(step.of_force_[k], of_force_[k]);
+}
+
 /// A mode moves by its rate for a time h or, where it vibrates faster, for 1/ω.
 double ModalStep::distance(const ModalStep& other, const ModalBeam& beam) const {
   const Eigen::ArrayXd squares = beam.omega().array().square();

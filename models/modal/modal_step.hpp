@@ -54,6 +54,15 @@ class ModalStep {
   void become_sum(std::span<const ModalStep* const> steps, std::span<const double> weights,
                   double h, const Scale* scale = nullptr);
 
+  /// Modes that a step is about, by their numbers among all.
+  struct Share {
+    const ModalStep* step;
+    const std::vector<Eigen::Index>* modes;
+  };
+
+  /// A step of all m modes made of steps of some each; the others stay where they are.
+  static ModalStep joined(std::span<const Share> shares, Eigen::Index m);
+
   /// The longest step whose kernels' series can be held [s]; infinite without vibration.
   static double longest(const ModalBeam& beam);
 
@@ -135,6 +144,8 @@ class ModalStep {
   int stops() const { return 1 + static_cast<int>(further_.size()); }
 
   void respond_further(const ModalBeam& beam, const Collocation& rule, int terms);
+  void set_zero();
+  void add(const Share& share);
 
   double h_;
   Eigen::Index modes_, nodes_;

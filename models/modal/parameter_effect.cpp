@@ -47,25 +47,36 @@ struct Rows {
 
 /// What a bar's modes and the rows before them are made of.
 struct BarParts {
-  SmallMotion motion;
-  ViscousDamping damping;
+  BarInModes bar;
   Rows rows;
+
+  /// `own`: values of the modes.
+  static BarParts of(const Rig& rig, const Solver& solver, const HistoryRequest& history,
+                     const Eigen::MatrixXd& own) {
+    const std::unique_ptr<SmallMotionBeam> beam = make_small_motion_beam(rig, solver);
+    return {
+        {beam->small_motion(), beam->shapes_of(own), beam->strains(own), ViscousDamping::of(rig)},
+        Rows::of(*beam, rig, history)};
+  }
 };
 
 /// Slopes of it: sums of differences, of which what does not change is exactly nothing.
 struct BarChange : BarParts {
   void add(double weight, const BarParts& there, const BarParts& here) {
-    const SmallMotion &to = there.motion, &from = here.motion;
+    const SmallMotion &to = there.bar.motion, &from = here.bar.motion;
+    SmallMotion& motion = bar.motion;
     add_to(motion.mass, weight, to.mass - from.mass);
-    add_to(motion.stiffness, weight, to.stiffness - from.stiffness);
     add_to(motion.gravity, weight, to.gravity - from.gravity);
     add_to(motion.load, weight, to.load - from.load);
     add_to(motion.hinge, weight, to.hinge - from.hinge);
     add_to(motion.rigid, weight, to.rigid - from.rigid);
     motion.spring += weight * (to.spring - from.spring);
-    damping.mass += weight * (there.damping.mass - here.damping.mass);
-    damping.stiffness += weight * (there.damping.stiffness - here.damping.stiffness);
-    damping.hinge += weight * (there.damping.hinge - here.damping.hinge);
+    add_to(bar.shapes, weight, there.bar.shapes - here.bar.shapes);
+    add_to(bar.strains, weight, there.bar.strains - here.bar.strains);
+    const ViscousDamping &resists = there.bar.damping, &resisted = here.bar.damping;
+    bar.damping.mass += weight * (resists.mass - resisted.mass);
+    bar.damping.stiffness += weight * (resists.stiffness - resisted.stiffness);
+    bar.damping.hinge += weight * (resists.hinge - resisted.hinge);
     const std::size_t stops = here.rows.struck.size();
     rows.struck.resize(stops);
     for (std::size_t k = 0; k < stops; ++k)
@@ -74,11 +85,6 @@ struct BarChange : BarParts {
     add_to(rows.displacement, weight, there.rows.displacement - here.rows.displacement);
   }
 };
-
-BarParts parts_of(const Rig& rig, const Solver& solver, const HistoryRequest& history) {
-  const std::unique_ptr<SmallMotionBeam> beam = make_small_motion_beam(rig, solver);
-  return {beam->small_motion(), ViscousDamping::of(rig), Rows::of(*beam, rig, history)};
-}
 
 double start_rate(const Rig& rig) {
   return touch_velocity(rig) / rig.contact.position;
@@ -130,12 +136,13 @@ void ParameterEffect::keep_bar(const ModalBeam& bar) {
 
 void ParameterEffect::find_bar(const Rig& rig, const Solver& solver, const HistoryRequest& history,
                                const ModalBeam& bar) {
-  const BarParts here = parts_of(rig, solver, history);
+  const Eigen::MatrixXd own = bar.own_values();
+  const BarParts here = BarParts::of(rig, solver, history, own);
   BarChange change;
   by().for_each_place([&](std::size_t place) {
-    change.add(by().weight(place), parts_of(by().rig_at(place), solver, history), here);
+    change.add(by().weight(place), BarParts::of(by().rig_at(place), solver, history, own), here);
   });
-  slope_ = bar.slope(change.motion, change.damping);
+  slope_ = bar.slope(change.bar);
   const Rows& rows = here.rows;
   slope_.struck = bar.row_slope(slope_, rows.struck[0], change.rows.struck[0]);
   for (std::size_t k = 1; k < rows.struck.size(); ++k)
@@ -165,29 +172,52 @@ void ParameterEffect::find_head() {
                  slope_of([](const Stop& stop) { return SensorRow::of(stop).of_rate; })};
 }
 
-void ParameterEffect::move_modes() {
-  const auto step_along = [](double size, const Eigen::VectorXd& slope) {
-    const double largest = largest_of(slope);
-    return largest > 0.0 ? mode_step * size / largest : std::numeric_limits<double>::infinity();
-  };
+/// How far along the slope each mode may be moved; infinite where it does not change (m).
+Eigen::VectorXd ParameterEffect::spacings() const {
   // rates have the size of each mode's own, slow ones that of the slowest that bends; what is zero
   // has no size: then the parameter's own has to do
-  const Eigen::VectorXd sizes = modes_.omega().cwiseAbs().cwiseMax(slowest_bending(modes_));
-  const auto step_along_rates = [&](const Eigen::VectorXd& slope) {
-    if (slope.size() != sizes.size() || sizes.minCoeff() == 0.0)
-      return step_along(by().size() * largest_of(slope), slope);
-    return step_along(1.0, slope.cwiseQuotient(sizes));
+  const double own = 1.0 / by().size();
+  const Eigen::ArrayXd rates = modes_.omega().cwiseAbs().cwiseMax(slowest_bending(modes_));
+  Eigen::ArrayXd most = Eigen::ArrayXd::Zero(modes_.modes());  // change over size
+  const auto change = [&](const Eigen::VectorXd& slope, const Eigen::ArrayXd& sizes) {
+    const Eigen::ArrayXd each = slope.array().abs();
+    most = most.max((sizes > 0.0).select(each / sizes, (each > 0.0).select(own, each)));
   };
-  spacing_ = std::min({step_along_rates(slope_.omega), step_along_rates(slope_.damping),
-                       step_along(largest_of(modes_.rigid()), slope_.rigid)});
+  const auto change_of_row = [&](const Eigen::VectorXd& slope, const Eigen::VectorXd& row) {
+    change(slope, Eigen::ArrayXd::Constant(row.size(), largest_of(row)));
+  };
+  change(slope_.omega, rates);
+  change(slope_.damping, rates);
+  change_of_row(slope_.rigid, modes_.rigid());
   for (int stop = 0; stop < modes_.stops(); ++stop)
-    spacing_ = std::min(spacing_, step_along(largest_of(modes_.struck(stop)), struck(stop)));
-  // what a load does is linear in it: it may be moved by however much, and as little as it is
-  if (!std::isfinite(spacing_))
-    spacing_ = step_along(by().size() * largest_of(slope_.load), slope_.load);
-  if (!std::isfinite(spacing_)) return;
+    change_of_row(struck(stop), modes_.struck(stop));
+  // what a load does is linear in it: it may be moved by however much
+  most = (most == 0.0 && slope_.load.array() != 0.0).select(own, most);
+  return mode_step / most;
+}
+
+/// Slow modes go as far as they can, however little those of a short element can: their rounding
+/// is divided by the way.
+void ParameterEffect::move_modes() {
+  constexpr double alike = 30.0;
+  const Eigen::VectorXd ways = spacings();
+  std::vector<Eigen::Index> left;
+  for (Eigen::Index i = 0; i < ways.size(); ++i)
+    if (std::isfinite(ways[i])) left.push_back(i);
+  std::ranges::stable_sort(left, {}, [&ways](Eigen::Index i) { return ways[i]; });
+  for (auto first = left.begin(); first != left.end();) {
+    const auto last = std::find_if(first, left.end(),
+                                   [&](Eigen::Index i) { return ways[i] > alike * ways[*first]; });
+    Group& group = groups_.emplace_back(Group{{first, last}, ways[*first], {}});
+    std::ranges::sort(group.modes);
+    for (const double offset : by().stencil().offsets)
+      group.moved.push_back(modes_.moved(slope_, offset * group.spacing).only(group.modes));
+    if (group.modes.front() == 0) load_spacing_ = group.spacing;
+    first = last;
+  }
+  if (groups_.empty()) return;
   for (const double offset : by().stencil().offsets)
-    loads_.emplace_back(moved_.emplace_back(modes_.moved(slope_, offset * spacing_)));
+    if (load_spacing_ > 0.0) loads_.emplace_back(modes_.moved(slope_, offset * load_spacing_));
   find_held(ModalLoad(modes_).held());
 }
 
@@ -203,9 +233,9 @@ void ParameterEffect::find_held(const Eigen::VectorXd& held) {
 
 ModalLoad::Fall ParameterEffect::fall(double time) const {
   ModalLoad::Fall slope;
-  for (std::size_t place = 0; place < moved_.size(); ++place) {
+  for (std::size_t place = 0; place < loads_.size(); ++place) {
     if (!by().counts(place)) continue;
-    const double weight = by().stencil().weights[place] / spacing_;
+    const double weight = by().stencil().weights[place] / load_spacing_;
     const ModalLoad::Fall fall = loads_[place].fall(time);
     slope.a += weight * fall.a;
     slope.rate += weight * fall.rate;
@@ -217,26 +247,38 @@ const ModalStep& ParameterEffect::step(double h) {
   const auto found = steps_.find(h);
   if (found != steps_.end()) return found->second;
   std::vector<ModalStep> steps;
+  for (const Group& group : groups_) steps.push_back(step_of(group, h));
+  std::vector<ModalStep::Share> shares;
+  for (std::size_t i = 0; i < steps.size(); ++i) shares.push_back({&steps[i], &groups_[i].modes});
+  return steps_.emplace(h, ModalStep::joined(shares, modes_.modes())).first->second;
+}
+
+ModalStep ParameterEffect::step_of(const Group& group, double h) const {
+  std::vector<ModalStep> steps;
   std::vector<double> weights;
-  for (std::size_t place = 0; place < moved_.size(); ++place) {
+  for (std::size_t place = 0; place < group.moved.size(); ++place) {
     if (!by().counts(place)) continue;
-    steps.emplace_back(moved_[place], rule_, h);
-    weights.push_back(by().stencil().weights[place] / spacing_);
+    steps.emplace_back(group.moved[place], rule_, h);
+    weights.push_back(by().stencil().weights[place] / group.spacing);
   }
   std::vector<const ModalStep*> places;
   for (const ModalStep& step : steps) places.push_back(&step);
-  return steps_.emplace(h, ModalStep::sum(places, weights, h)).first->second;
+  return ModalStep::sum(places, weights, h);
 }
 
 void ParameterEffect::add_advance(double h, std::span<const NodeVector> series,
                                   const ModalState& from, ModalState& to) {
-  there_ = to;
-  for (std::size_t place = 0; place < moved_.size(); ++place) {
-    if (!by().counts(place)) continue;
-    advance(moved_[place], h, series, from, there_);
-    const double weight = by().stencil().weights[place] / spacing_;
-    to.a += weight * there_.a;
-    to.rate += weight * there_.rate;
+  for (const Group& group : groups_) {
+    from_.a = from.a(group.modes);
+    from_.rate = from.rate(group.modes);
+    there_ = from_;
+    for (std::size_t place = 0; place < group.moved.size(); ++place) {
+      if (!by().counts(place)) continue;
+      advance(group.moved[place], h, series, from_, there_);
+      const double weight = by().stencil().weights[place] / group.spacing;
+      to.a(group.modes) += weight * there_.a;
+      to.rate(group.modes) += weight * there_.rate;
+    }
   }
 }
 

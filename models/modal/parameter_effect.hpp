@@ -23,7 +23,7 @@ class ParameterEffect : public RigEffect {
   /// Of the angular rate at touch [rad/s a unit].
   double start_rate() const { return start_rate_; }
 
-  bool moves_modes() const { return !moved_.empty(); }
+  bool moves_modes() const { return !groups_.empty(); }
 
   /// How the modes change; where moves_modes(), like what follows.
   const ModalSlope& modes() const { return slope_; }
@@ -64,11 +64,20 @@ class ParameterEffect : public RigEffect {
   const SensorRow& sensor_row() const { return sensor_row_; }
 
  private:
+  /// Modes that may be moved equally far.
+  struct Group {
+    std::vector<Eigen::Index> modes;  // their numbers
+    double spacing;                   // along the slope
+    std::vector<ModalBeam> moved;     // at the stencil's places
+  };
+
   void find_bar(const Rig& rig, const Solver& solver, const HistoryRequest& history,
                 const ModalBeam& bar);
   void keep_bar(const ModalBeam& bar);
   void find_head();
+  Eigen::VectorXd spacings() const;
   void move_modes();
+  ModalStep step_of(const Group& group, double h) const;
   void find_held(const Eigen::VectorXd& held);
 
   const ModalBeam& modes_;
@@ -77,13 +86,13 @@ class ParameterEffect : public RigEffect {
   ModalSlope slope_;
   SensorRow sensor_row_;
   Eigen::VectorXd velocity_row_, displacement_row_;
-  double spacing_ = 0.0;          // along the slope, of the modes moved
-  std::vector<ModalBeam> moved_;  // at the stencil's places; empty where the modes do not change
-  std::vector<ModalLoad> loads_;  // of those
+  std::vector<Group> groups_;     // empty where the modes do not change
+  std::vector<ModalLoad> loads_;  // at the stencil's places; empty where the pendulum's does not
+  double load_spacing_ = 0.0;
   Eigen::VectorXd held_;
   std::vector<double> held_at_;
   std::map<double, ModalStep> steps_;
-  ModalState there_;
+  ModalState from_, there_;
 };
 
 }  // namespace impactrig::models

@@ -56,6 +56,10 @@ Eigen::VectorXd ReducedBar::small_motion_load() const {
   return modes_.rows * bar_->small_motion_load();
 }
 
+Eigen::MatrixXd ReducedBar::strains(const Eigen::MatrixXd& own) const {
+  return bar_->strains(bar_->own_values(modes_.rows.transpose() * own));
+}
+
 Eigen::VectorXd ReducedBar::small_motion_row(double x) const {
   const LinearBar::Row at = bar_->row_at(x);
   Eigen::VectorXd row = Eigen::VectorXd::Zero(modes_.squares.size());

@@ -27,6 +27,7 @@ class ReducedBar : public SmallMotionBeam {
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
   Eigen::VectorXd small_motion_load() const override;
+  Eigen::MatrixXd strains(const Eigen::MatrixXd& own) const override;
   std::optional<BarModes> modes() const override;
 
   std::vector<BarElement> stretching_elements() const override {

@@ -63,6 +63,16 @@ class SmallMotionBeam {
   /// SmallMotion::load.
   virtual Eigen::VectorXd small_motion_load() const = 0;
 
+  /// Shapes (n, m) in values that tell how each part of the bar bends whatever turns with it; back.
+  virtual Eigen::MatrixXd own_values(const Eigen::MatrixXd& shapes) const { return shapes; }
+
+  virtual Eigen::MatrixXd shapes_of(const Eigen::MatrixXd& own) const { return own; }
+
+  /// Of bars bent so (n, m), strains of all parts, each by the root of what resists it: K is their
+  /// product with themselves, to digits that its matrix has not where an element is far shorter
+  /// than the others [√J] (.., m).
+  virtual Eigen::MatrixXd strains(const Eigen::MatrixXd& own) const = 0;
+
   /// All its modes, where it has a better way to them than those matrices.
   virtual std::optional<BarModes> modes() const { return std::nullopt; }
 
