@@ -319,6 +319,7 @@ ModalBeam ModalBeam::with_mode(double omega, double damping, double struck) cons
   append(struck, more.struck_);
   append(0.0, more.rigid_);
   append(0.0, more.load_);
+  append(0.0, more.hinge_);
   for (Eigen::VectorXd& row : more.further_) append(0.0, row);
   more.damped_ = damped_ || damping != 0.0;
   return more;
