@@ -47,8 +47,9 @@ class MappedRecording final : public RecordingReader {
       head_.record.channels.push_back(file.record.channels[chosen.index]);
       head_.samples.push_back(file.samples[chosen.index]);
       if (chosen.mapping != nullptr)
-        apply(*chosen.mapping, head_.record.channels.back(), head_.record.provenance);
+        apply(*chosen.mapping, head_.record.channels.back(), head_.record);
     }
+    put_in_order(file.record.provenance.edits.size(), head_.record.provenance.edits);
     refuse_equal_names();
     leave_out_answered(head_.record);
   }
@@ -61,9 +62,11 @@ class MappedRecording final : public RecordingReader {
     const std::vector<std::size_t> places = selected_channels(head_, wanted);
     for (const std::size_t place : places) of_file.channels.push_back(channels_[place].index);
     Record record = reader_->read(of_file, sink);
+    const std::size_t before = record.provenance.edits.size();
     for (std::size_t i = 0; i < places.size(); ++i)
       if (const ChannelMapping* const mapping = channels_[places[i]].mapping)
-        apply(*mapping, record.channels[i], record.provenance);
+        apply(*mapping, record.channels[i], record);
+    put_in_order(before, record.provenance.edits);
     leave_out_answered(record);
     return record;
   }
@@ -139,8 +142,39 @@ class MappedRecording final : public RecordingReader {
     }
   }
 
-  void apply(const ChannelMapping& mapping, Channel& channel,
-             datasets::Provenance& provenance) const {
+  /// Edits are read one after the other: who gives a name away comes before who takes it.
+  static void put_in_order(std::size_t first, std::vector<datasets::Edit>& edits) {
+    const auto gives = [](const datasets::Edit& edit, const std::string& name) {
+      const auto old = edit.parameters.find("name in file");
+      return old != edit.parameters.end() && old->second == name;
+    };
+    const auto last = edits.end();
+    for (auto at = edits.begin() + static_cast<std::ptrdiff_t>(first); at != last; ++at) {
+      const auto free = std::find_if(at, last, [&](const datasets::Edit& edit) {
+        return std::none_of(at, last, [&](const datasets::Edit& other) {
+          return &other != &edit && gives(other, edit.channel);
+        });
+      });
+      if (free != last) std::rotate(at, free, free + 1);
+    }
+  }
+
+  /// As a map that is stated for what it has made.
+  void warn_of_two_polarities(const Channel& channel, Record& record) const {
+    const auto inverts = [&channel](const datasets::Edit& edit) {
+      const auto polarity = edit.parameters.find("polarity");
+      return edit.what == "map channel" && was_made_to(edit, channel) &&
+             polarity != edit.parameters.end() && polarity->second == "-1";
+    };
+    if (std::ranges::any_of(record.provenance.edits, inverts))
+      record.warnings.push_back(
+          fmt::format("'{}' has been inverted by a map before and is again by {}, so that it is as "
+                      "recorded: state it once",
+                      channel.name, map_.file));
+  }
+
+  void apply(const ChannelMapping& mapping, Channel& channel, Record& record) const {
+    if (mapping.polarity < 0.0) warn_of_two_polarities(channel, record);
     datasets::Edit edit{"map channel", mapping.name.empty() ? channel.name : mapping.name, {}};
     auto& says = edit.parameters;
     says["map"] = map_.file;
@@ -185,7 +219,7 @@ class MappedRecording final : public RecordingReader {
       refuse(fmt::format("'{}' would be scaled by {:g}: look at its sensitivity and full scale",
                          channel.name, channel.scale),
              mapping.line);
-    provenance.edits.push_back(std::move(edit));
+    record.provenance.edits.push_back(std::move(edit));
   }
 
   /// Volts or coulombs to the role's SI unit.

@@ -74,6 +74,17 @@ std::uint64_t samples_of(const std::vector<Input>& inputs) {
   return samples;
 }
 
+constexpr std::string_view joined = "join recording";
+
+/// Channels of two files may have one name: what was done to which, the file tells.
+void name_file(datasets::Record& record) {
+  const std::string key(datasets::recorded_in);
+  const std::string file = record.provenance.source_file;
+  for (datasets::Channel& channel : record.channels) channel.attributes.try_emplace(key, file);
+  for (datasets::Edit& edit : record.provenance.edits)
+    if (edit.what != joined) edit.parameters.try_emplace(key, file);
+}
+
 /// Several files become one record with the channels of all, in order; the first one's provenance
 /// and attributes lead.
 void join(datasets::Record&& next, datasets::Record& record) {
@@ -81,7 +92,9 @@ void join(datasets::Record&& next, datasets::Record& record) {
     record = std::move(next);
     return;
   }
-  record.provenance.edits.push_back({"join recording",
+  name_file(record);
+  name_file(next);
+  record.provenance.edits.push_back({std::string(joined),
                                      "",
                                      {{"file", next.provenance.source_file},
                                       {"sha256", next.provenance.sha256},

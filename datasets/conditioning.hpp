@@ -42,6 +42,8 @@ struct UndoLowCut {
 struct LowPass {
   double cutoff = 0.0;  ///< where both passes together have 3 dB [Hz], > 0
   int order = 4;        ///< of one pass, 1 to 8
+
+  bool operator==(const LowPass&) const = default;
 };
 
 /// Mains hum comes off: sinusoids that are fitted to quiet stretches.

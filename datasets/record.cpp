@@ -112,4 +112,16 @@ std::string program_version() {
   return "impactrig " IMPACTRIG_VERSION;
 }
 
+bool is_of_file_of(const Edit& edit, const Channel& channel) {
+  const std::string key(recorded_in);
+  const auto of_edit = edit.parameters.find(key);
+  const auto of_channel = channel.attributes.find(key);
+  return of_edit == edit.parameters.end() || of_channel == channel.attributes.end() ||
+         of_edit->second == of_channel->second;
+}
+
+bool was_made_to(const Edit& edit, const Channel& channel) {
+  return edit.channel == channel.name && is_of_file_of(edit, channel);
+}
+
 }  // namespace impactrig::datasets

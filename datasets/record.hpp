@@ -85,6 +85,14 @@ struct Edit {
   std::map<std::string, std::string> parameters;  ///< with units: {"offset", "0.012 V"}
 };
 
+/// Attribute of a channel and parameter of an edit in a recording joined of several: the file that
+/// they came with.
+constexpr std::string_view recorded_in = "recorded in";
+
+/// Whether an edit was made to this channel, or before it had that name: to one of its file.
+bool is_of_file_of(const Edit& edit, const Channel& channel);
+bool was_made_to(const Edit& edit, const Channel& channel);
+
 /// Where a record comes from.
 struct Provenance {
   std::string source_file;  ///< as named by the user

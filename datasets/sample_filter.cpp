@@ -90,6 +90,7 @@ std::optional<std::vector<SampleFilter>> filters_of(const Record& record, const 
   double interval = channel.clock.interval;
   for (auto edit = record.provenance.edits.rbegin(); edit != record.provenance.edits.rend();
        ++edit) {
+    if (!is_of_file_of(*edit, channel)) continue;
     const auto made = edit->parameters.find("result");
     if (made != edit->parameters.end() && made->second == name) name = edit->channel;
     if (edit->channel != name) continue;

@@ -273,7 +273,7 @@ void warn_of_two_delays(const Claim& claim, Record& result) {
 void warn_of_two_polarities(const Record& record, const Claim& claim, Record& result) {
   const auto inverts = [&](const Edit& edit) {
     const auto polarity = edit.parameters.find("polarity");
-    return edit.what == "map channel" && edit.channel == claim.channel->name &&
+    return edit.what == "map channel" && was_made_to(edit, *claim.channel) &&
            polarity != edit.parameters.end() && polarity->second == "-1";
   };
   if (claim.sensor->polarity >= 0.0 || std::ranges::none_of(record.provenance.edits, inverts))

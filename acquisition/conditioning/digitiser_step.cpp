@@ -38,7 +38,7 @@ double noted_digitiser_step(const datasets::Record& record, const datasets::Chan
   double step = 0.0;
   for (const datasets::Edit& edit : record.provenance.edits) {
     const auto noted = edit.parameters.find(key);
-    if (edit.channel == channel.name && noted != edit.parameters.end())
+    if (was_made_to(edit, channel) && noted != edit.parameters.end())
       step = std::max(step, number_in(noted->second, channel.unit));
   }
   return step;

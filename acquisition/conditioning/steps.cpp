@@ -25,6 +25,7 @@
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/number_text.hpp"
+#include "datasets/sample_filter.hpp"
 #include "datasets/sensor_response.hpp"
 
 namespace impactrig::acquisition {
@@ -160,11 +161,27 @@ class Conditioning {
 
   void act(const datasets::LowPass& action, std::size_t index) {
     const bool clipped = first_is_clipped();
+    tell_again(action, index);
     LowPassed result = low_pass(channel(index), action);
     note(std::move(result.edit));
     const std::string what = fmt::format("low-pass at {:g} Hz", action.cutoff);
     tell_loss(result.lost, what, index);
     tell_hidden_rail(clipped, what, index);
+  }
+
+  /// As a map that is stated for what it has made.
+  void tell_again(const datasets::LowPass& action, std::size_t index) {
+    const auto filters = datasets::filters_of(record_, channel(index));
+    const bool again =
+        filters && std::ranges::any_of(*filters, [&action](const datasets::SampleFilter& filter) {
+          const auto* const before = std::get_if<datasets::LowPass>(&filter.action);
+          return before && *before == action;
+        });
+    if (again)
+      record_.warnings.push_back(
+          fmt::format("'{}' has been through the low-pass at {:g} Hz before and is again, which "
+                      "lowers the band.",
+                      channel(index).name, action.cutoff));
   }
 
   /// Whether the first impact's samples, no note, give it the flag; not when there is none.

@@ -189,6 +189,7 @@ std::vector<std::string> write_csv(const OutgoingRecording& recording, const std
   }
   std::vector<std::string> warnings;
   tell_of_calibrations(recording.record, "a CSV file", warnings);
+  tell_of_filters(recording.record, "a CSV file", warnings);
   print_marks(out, recording, with_time ? 1 : 0, warnings);
   if (with_time) out.print("time [s],");
   for (std::size_t c = 0; c < channels; ++c)

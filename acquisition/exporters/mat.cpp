@@ -304,6 +304,16 @@ Bytes variable(const std::string& name, const OutgoingChannel& outgoing) {
   return structure(name, std::move(fields));
 }
 
+Bytes edits(const std::vector<datasets::Edit>& all) {
+  std::vector<Bytes> entries;
+  for (const datasets::Edit& edit : all) {
+    entries.push_back(text(edit.what));
+    entries.push_back(text(edit.channel));
+    entries.push_back(attributes(edit.parameters));
+  }
+  return structures({}, {"what", "channel", "parameters"}, std::move(entries));
+}
+
 Bytes head(const Record& record) {
   std::vector<Bytes> warnings;
   for (const std::string& warning : record.warnings) warnings.push_back(text(warning));
@@ -316,6 +326,7 @@ Bytes head(const Record& record) {
   fields.push_back({"source_sha256", text(record.provenance.sha256)});
   fields.push_back({"source_format", text(record.provenance.importer)});
   fields.push_back({"source_program", text(record.provenance.program)});
+  fields.push_back({"edits", edits(record.provenance.edits)});
   fields.push_back({"warnings", structures({}, {"text"}, std::move(warnings))});
   fields.push_back({"attributes", attributes(record.attributes)});
   return structure("recording", std::move(fields));

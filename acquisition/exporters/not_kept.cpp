@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "datasets/sample_filter.hpp"
+
 namespace impactrig::acquisition {
 
 using datasets::Channel;
@@ -63,6 +65,19 @@ void tell_of_calibrations(const Record& record, std::string_view format,
   };
   tell("calibration", names_of(record, [](const Channel& c) { return c.calibration.has_value(); }));
   tell("delay", names_of(record, [](const Channel& c) { return c.delay.has_value(); }));
+}
+
+void tell_of_filters(const Record& record, std::string_view format,
+                     std::vector<std::string>& warnings) {
+  const std::string names = names_of(record, [&record](const Channel& channel) {
+    const auto filters = datasets::filters_of(record, channel);
+    return !filters || !filters->empty();
+  });
+  if (!names.empty())
+    warnings.push_back(fmt::format(
+        "{} has no place for the filtering of {}, so that a fit to it would take them for what the "
+        "sensors gave: .h5 and .mat files keep it",
+        format, names));
 }
 
 void tell_of_marks(const OutgoingChannel& channel, std::string_view format,

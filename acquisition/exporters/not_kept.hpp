@@ -29,6 +29,10 @@ std::string listed(const std::vector<SampleRange>& runs, std::string_view separa
 
 /// Tells that calibrations and delays have no place in `format` ("a CSV file"), where there are
 /// some.
+/// And of filters that channels have been through, which a fit would have to know of.
+void tell_of_filters(const datasets::Record& record, std::string_view format,
+                     std::vector<std::string>& warnings);
+
 void tell_of_calibrations(const datasets::Record& record, std::string_view format,
                           std::vector<std::string>& warnings);
 

@@ -213,6 +213,7 @@ std::vector<std::string> write_uff(const OutgoingRecording& recording, const std
   for (const OutgoingChannel& channel : recording.channels)
     tell_of_marks(channel, "a universal file", warnings);
   tell_of_calibrations(recording.record, "a universal file", warnings);
+  tell_of_filters(recording.record, "a universal file", warnings);
   return warnings;
 }
 

@@ -308,7 +308,7 @@ class Mat5Parser {
   void read_structure(const Element& matrix, std::uint64_t at, const MatArray& array, int depth) {
     if (depth >= deepest) return contents_.skip(array.name, "nested too deeply");
     if (depth == 0) contents_.variables.push_back(array.name);
-    if (depth <= 1) contents_.structures.emplace(array.name, array.rows * array.columns);
+    if (depth <= 2) contents_.structures.emplace(array.name, array.rows * array.columns);
     const auto width = element_at(at, matrix.end);
     const auto names = width ? element_at(width->next, matrix.end) : std::nullopt;
     if (!names || !is_int32(width->type) || width->end - width->data < 4 || names->type != mi_int8)

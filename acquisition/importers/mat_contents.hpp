@@ -40,7 +40,7 @@ struct MatContents {
   std::string header;   ///< its text
   std::vector<MatArray> arrays;
   std::map<std::string, std::string> texts;  ///< UTF-8, with the control characters they have
-  /// Arrays of structures at the top, and those in structures at the top: how many they are.
+  /// Arrays of structures at the top, and those in them two levels down: how many they are.
   std::map<std::string, std::uint64_t> structures;
   std::vector<std::string> variables;  ///< structures at the top, in the file's order
   std::vector<std::string> warnings;   ///< one sentence each

@@ -57,12 +57,23 @@ class RecordingInMat {
       if (found == contents_.texts.end()) break;  // beyond what the file holds
       record_.warnings.push_back(to_utf8(found->second));
     }
+    read_edits();
     for (const auto& [field, key] :
          {std::pair{"source_file", "origin file"}, std::pair{"source_sha256", "origin sha256"},
           std::pair{"source_format", "origin format"},
           std::pair{"source_program", "origin program"}})
       if (std::string says = text(fmt::format("recording.{}", field)); !says.empty())
         record_.attributes.emplace(key, std::move(says));
+  }
+
+  void read_edits() {
+    const auto entries = contents_.structures.find("recording.edits");
+    for (std::uint64_t i = 0; entries != contents_.structures.end() && i < entries->second; ++i) {
+      const std::string what = text(entry("recording.edits", i, "what"));
+      if (what.empty()) break;  // beyond what the file holds
+      record_.provenance.edits.push_back({what, lines(entry("recording.edits", i, "channel")),
+                                          attributes(entry("recording.edits", i, "parameters"))});
+    }
   }
 
   std::string text(const std::string& name) const {

@@ -119,6 +119,33 @@ TEST(ChannelMap, OrdersChannelsAndKeepsOthersWhenAsked) {
   EXPECT_THAT(names(read({"m", true, {temperature}}, second)), testing::ElementsAre("ch1"));
 }
 
+// Edits are read one after the other: ch1 becomes Temp once Temp is something else.
+TEST(ChannelMap, TellsOfNamesThatAreHandedOnInAnOrderThatHolds) {
+  ChannelMap map;
+  map.channels = {matching("ch1"), matching("Temp")};
+  map.channels[0].name = "Temp";
+  map.channels[1].name = "Hot";
+  const Record record = read(map);
+  ASSERT_EQ(record.provenance.edits.size(), 2U);
+  EXPECT_EQ(record.provenance.edits[0].channel, "Hot");
+  EXPECT_EQ(record.provenance.edits[1].channel, "Temp");
+  map.channels[1].name = "ch1";  // the two change places: no order holds
+  EXPECT_EQ(read(map).provenance.edits.size(), 2U);
+}
+
+TEST(ChannelMap, WarnsWhereItInvertsWhatAMapHasInverted) {
+  ChannelMap map;
+  map.file = "m.toml";
+  map.channels = {matching("ch1")};
+  map.channels[0].polarity = -1.0;
+  const Record once = read(map);
+  EXPECT_THAT(once.warnings, testing::IsEmpty());
+  const auto again = mapped(reader_of(Record(once)), map);
+  EXPECT_THAT(read_into_memory(*again, {}).warnings,
+              testing::ElementsAre("'ch1' has been inverted by a map before and is again by "
+                                   "m.toml, so that it is as recorded: state it once"));
+}
+
 TEST(ChannelMap, RefusesWhatDoesNotFit) {
   EXPECT_EQ(refused({"map.toml", false, {matching("Force")}}),
             "map.toml: no channel of shot.wav matches 'Force'; the channels are 'ch1', 'ch2', "

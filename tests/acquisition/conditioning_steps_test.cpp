@@ -186,6 +186,19 @@ TEST(ApplySteps, TellsOfEachThatIsDone) {
   EXPECT_EQ(edits, (std::vector<std::size_t>{1, 3}));
 }
 
+TEST(ApplySteps, WarnsOfAStepThatIsTakenAgain) {
+  Record record = shot();
+  const std::vector<ConditioningStep> wide{{"force", datasets::LowPass{300e3, 2}}};
+  apply_steps(wide, record);
+  apply_steps(std::vector<ConditioningStep>{{"force", datasets::LowPass{200e3, 2}}}, record);
+  EXPECT_THAT(record.warnings, testing::IsEmpty());
+  apply_steps(wide, record);
+  EXPECT_THAT(
+      record.warnings,
+      testing::ElementsAre("'Ref1' has been through the low-pass at 300000 Hz before and is "
+                           "again, which lowers the band."));
+}
+
 TEST(ApplySteps, WarnsOfAPeakThatALowPassLowers) {
   Record record = shot();
   apply_steps(std::vector<ConditioningStep>{{"force", datasets::LowPass{100e3, 4}}}, record);

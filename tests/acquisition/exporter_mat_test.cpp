@@ -43,6 +43,9 @@ TEST(MatExport, KeepsWhateverIsKnown) {
   record.attributes = {{"operator", "N. N."}};
   record.provenance.source_file = "shot.tdms";
   record.provenance.importer = "tdms";
+  record.provenance.edits = {
+      {"map channel", "Kraft", {{"map", "m.toml"}, {"name in file", "ch \xC3\xA4"}}},
+      {"low-pass, zero phase", "Kraft", {}}};
   record.channels = {particular("Kraft \xC3\xA4/1"),
                      particular("Kraft \xC3\xA4/1"),
                      particular("7 end"),
@@ -71,6 +74,12 @@ TEST(MatExport, KeepsWhateverIsKnown) {
   EXPECT_EQ(back.attributes.at("operator"), "N. N.");
   EXPECT_EQ(back.attributes.at("origin file"), "shot.tdms");
   EXPECT_EQ(back.attributes.at("origin format"), "tdms");
+  ASSERT_EQ(back.provenance.edits.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(back.provenance.edits[i].what, record.provenance.edits[i].what);
+    EXPECT_EQ(back.provenance.edits[i].channel, record.provenance.edits[i].channel);
+    EXPECT_EQ(back.provenance.edits[i].parameters, record.provenance.edits[i].parameters);
+  }
   ASSERT_EQ(back.channels.size(), record.channels.size());
   for (std::size_t c = 0; c < back.channels.size(); ++c) {
     SCOPED_TRACE(c);
@@ -126,19 +135,21 @@ TEST(MatExport, IsWrittenAsTheStandardSays) {
   const std::string marks = b.matrix(b.head(0x0209, {3, 1}, "") + b.small(2, {0, 1, 0}));
   EXPECT_EQ(bytes.substr(0, 19), "MATLAB 5.0 MAT-file");
   EXPECT_EQ(bytes.substr(116, 12), b.header().substr(116));
-  EXPECT_EQ(bytes.substr(128),
-            b.structure(
-                "recording",
-                {"format", "format_version", "title", "start_time", "source_file", "source_sha256",
-                 "source_format", "source_program", "warnings", "attributes"},
-                word("impactrig-recording") + word("1.0") + word("") + word("") + word("") +
-                    word("") + word("") + word("") + b.structure("", {"text"}, "", 0) + no_pairs) +
-                b.structure("F_1",
-                            {"name", "quantity", "unit", "start", "interval", "time", "value",
-                             "invalid", "calibration", "delay", "attributes"},
-                            word("F 1") + word("force") + word("N") + b.doubles("", {0.5}) +
-                                b.doubles("", {0.25}) + none + b.doubles("", {1, 2, 3}) + marks +
-                                none + none + no_pairs));
+  EXPECT_EQ(
+      bytes.substr(128),
+      b.structure(
+          "recording",
+          {"format", "format_version", "title", "start_time", "source_file", "source_sha256",
+           "source_format", "source_program", "edits", "warnings", "attributes"},
+          word("impactrig-recording") + word("1.0") + word("") + word("") + word("") + word("") +
+              word("") + word("") + b.structure("", {"what", "channel", "parameters"}, "", 0) +
+              b.structure("", {"text"}, "", 0) + no_pairs) +
+          b.structure("F_1",
+                      {"name", "quantity", "unit", "start", "interval", "time", "value", "invalid",
+                       "calibration", "delay", "attributes"},
+                      word("F 1") + word("force") + word("N") + b.doubles("", {0.5}) +
+                          b.doubles("", {0.25}) + none + b.doubles("", {1, 2, 3}) + marks + none +
+                          none + no_pairs));
 }
 
 TEST(MatExport, NamesWhatItCannotHold) {

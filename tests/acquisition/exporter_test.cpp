@@ -157,6 +157,24 @@ TEST(Export, TellsWhatAFormatHasNoPlaceFor) {
     EXPECT_THAT(export_warnings(record, ending), testing::IsEmpty());
 }
 
+TEST(Exporters, TellOfFiltersThatAFitWouldNotKnowOf) {
+  Record record = example(60);
+  record.provenance.edits = {{"low-pass, zero phase",
+                              "Force",
+                              {{"cutoff", "1 Hz"}, {"order", "4, forwards and backwards"}}}};
+  for (const auto& [ending, format] :
+       {std::pair{".uff", "a universal file"}, std::pair{".unv", "a universal file"},
+        std::pair{".csv", "a CSV file"}})
+    EXPECT_THAT(
+        export_warnings(record, ending),
+        testing::ElementsAre(fmt::format(
+            "{} has no place for the filtering of 'Force', so that a fit to it would take them for "
+            "what the sensors gave: .h5 and .mat files keep it",
+            format)));
+  for (const char* ending : {".h5", ".mat"})
+    EXPECT_THAT(export_warnings(record, ending), testing::IsEmpty());
+}
+
 // Doubles hold times of 1e6 s to a thousandth of 100 ns: an importer of a bare table counts them
 // from the first, and 1.7e9 s (seconds since 1970) to a quarter of a microsecond.
 TEST(CsvExport, KeepsOrTellsStartsFarFromZero) {

@@ -123,6 +123,20 @@ TEST(SampleFilter, IsToldByTheEditsOfARecord) {
   EXPECT_DOUBLE_EQ(filters->at(1).interval, 1e-6);
 }
 
+// In a recording joined of two, each with a channel of that name.
+TEST(SampleFilter, OfAnotherFilesChannelIsNotIts) {
+  Edit other = low_passed, own = low_passed;
+  other.channel = own.channel = "speed";
+  other.parameters.emplace(recorded_in, "shot-1.uff");
+  own.parameters.emplace(recorded_in, "shot-2.uff");
+  own.parameters["cutoff"] = "20000 Hz";
+  Record record = edited({other, own});
+  record.channels[0].attributes.emplace(recorded_in, "shot-2.uff");
+  const auto filters = filters_of(record, record.channels[0]);
+  ASSERT_EQ(filters->size(), 1U);
+  EXPECT_EQ(std::get<LowPass>(filters->at(0).action).cutoff, 20e3);
+}
+
 TEST(SampleFilter, IsNoneWithoutAnyAndWhereItCannotBeTold) {
   const Record plain = edited({{"remove baseline", "speed", {}}});
   EXPECT_EQ(filters_of(plain, plain.channels[0])->size(), 0U);
