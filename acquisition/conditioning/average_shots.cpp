@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "acquisition/conditioning/background.hpp"
-#include "acquisition/conditioning/delay.hpp"
 #include "acquisition/conditioning/samples.hpp"
+#include "acquisition/conditioning/shift_estimate.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/band_limited.hpp"
 #include "datasets/input_error.hpp"
@@ -44,6 +44,8 @@ struct Shot {
   Impact impact;
   double next = INFINITY;  ///< first touch of its second impact [s]
   double shift = 0.0;      ///< its times less the first shot's [s]
+  /// Standard uncertainty of `shift` [s]; none where first touch alone says it.
+  std::optional<double> shift_uncertainty = {};
 };
 
 const Channel& trigger_of(const Shot& shot) {
@@ -140,72 +142,82 @@ std::vector<Shot> usable_shots(std::span<const Record> records, const DetectionO
   return shots;
 }
 
-/// Lays a shot on the first one: first touch on first touch, then trigger on trigger.
-void lay_on(const Shot& first, Shot& shot) {
-  shot.shift = shot.impact.start - first.impact.start;
-  Channel moved = trigger_of(shot);
-  moved.clock.start -= shot.shift;
-  const double width = first.impact.width;
-  const datasets::TimeSpan window{first.impact.start - width, first.impact.end + width};
-  try {
-    shot.shift += estimate_delay(trigger_of(first), moved, window, 0.25 * width).value;
-  } catch (const std::invalid_argument&) {
-    // Too few samples, or no likeness: first touch is what there is.
-  }
-}
-
-/// A channel of a shot, to be read anywhere.
+/// A channel of a shot, to be read anywhere: bridged where samples are not sound.
 struct Reading {
-  const Channel* channel;
-  std::vector<double> values;       ///< in the first shot's unit
-  std::vector<std::uint8_t> valid;  ///< as Channel::valid, less what is not finite
-  double shift;
-  double next;  ///< [s], on the first shot's times
-
-  double index(double time) const {
-    return (time + shift - channel->clock.start) / channel->clock.interval;
-  }
-
-  bool sound(double at) const {
-    const auto below = static_cast<std::size_t>(std::max(0.0, std::floor(at)));
-    const std::size_t above = std::min(below + 1, values.size() - 1);
-    return valid.empty() || (valid[std::min(below, values.size() - 1)] != 0 && valid[above] != 0);
-  }
+  Trace trace;  ///< in the first shot's unit, on its times
+  double next;  ///< first touch of the second impact [s], on the first shot's times
 };
 
 /// Marks what find_impacts left out of a shot's force: spikes, and samples that a recorder lost.
-void leave_out_spikes(const Shot& shot, Reading& reading) {
+void leave_out_spikes(const Shot& shot, const std::string& channel, Trace& trace) {
   const auto& force = shot.impact.force;
-  if (!force || force->channel != reading.channel->name) return;
+  if (!force || force->channel != channel) return;
   for (std::size_t i = 0; i < force->valid.size(); ++i) {
     if (force->valid[i] != 0) continue;
-    const double at = std::round((force->time(i) - reading.channel->clock.start) /
-                                 reading.channel->clock.interval);
-    if (!(at >= 0.0 && at < static_cast<double>(reading.values.size()))) continue;
-    if (reading.valid.empty()) reading.valid.assign(reading.values.size(), 1);
-    reading.valid[static_cast<std::size_t>(at)] = 0;
+    const double at = std::round(trace.index(force->time(i)));
+    if (!(at >= 0.0 && at < static_cast<double>(trace.values.size()))) continue;
+    if (trace.valid.empty()) trace.valid.assign(trace.values.size(), 1);
+    trace.valid[static_cast<std::size_t>(at)] = 0;
   }
-  bridge_invalid(reading.values, reading.valid);
+  bridge_invalid(trace.values, trace.valid);
+}
+
+/// In the channel's unit, its touch on the first shot's as far as `shot.shift` says.
+Reading reading_of(const Shot& shot, const Channel& channel) {
+  refuse_unusable_clock(channel, shot.record->provenance.source_file);
+  Reading reading{{channel.quantity, channel.clock.start, channel.clock.interval,
+                   sound_values(channel), sound_marks(channel)},
+                  shot.next - shot.shift};
+  leave_out_spikes(shot, channel.name, reading.trace);
+  reading.trace.start -= shot.shift;
+  return reading;
 }
 
 /// None when the shot has no such channel.
-std::optional<Reading> reading_of(const Shot& shot, const Channel& like) {
+std::optional<Reading> reading_like(const Channel& like, const Shot& shot) {
   const auto& channels = shot.record->channels;
   const auto found = std::ranges::find(channels, like.name, &Channel::name);
   if (found == channels.end()) return std::nullopt;
-  const std::string& file = shot.record->provenance.source_file;
-  refuse_unusable_clock(*found, file);
-  Reading reading{&*found, sound_values(*found), sound_marks(*found), shot.shift,
-                  shot.next - shot.shift};
-  leave_out_spikes(shot, reading);
+  Reading reading = reading_of(shot, *found);
   if (found->unit == like.unit) return reading;
   const auto conversion = datasets::conversion(found->unit, like.unit);
   if (!conversion)
-    throw InputError(whole_file(file), fmt::format("channel '{}' is in '{}' here and in '{}' in "
-                                                   "the first shot",
-                                                   like.name, found->unit, like.unit));
-  for (double& value : reading.values) value = conversion->factor * value + conversion->offset;
+    throw InputError(whole_file(shot.record->provenance.source_file),
+                     fmt::format("channel '{}' is in '{}' here and in '{}' in the first shot",
+                                 like.name, found->unit, like.unit));
+  for (double& value : reading.trace.values)
+    value = conversion->factor * value + conversion->offset;
   return reading;
+}
+
+/// Where shots are compared: the first one's contact between rests as long, as far as its next one.
+datasets::TimeSpan compared_window(const Shot& first) {
+  const double contact = first.impact.end - first.impact.start;
+  return {first.impact.start - contact, std::min(first.impact.end + contact, first.next)};
+}
+
+/// Lays the shots on the first one: first touch on first touch, then trigger on trigger.
+void lay_on_first(std::vector<Shot>& shots, std::vector<std::string>& warnings) {
+  const Shot& first = shots.front();
+  const Trace reference = reading_of(first, trigger_of(first)).trace;
+  for (std::size_t k = 1; k < shots.size(); ++k) {
+    Shot& shot = shots[k];
+    shot.shift = shot.impact.start - first.impact.start;
+    const double contact =
+        std::max(first.impact.end - first.impact.start, shot.impact.end - shot.impact.start);
+    try {
+      const ShiftEstimate found = estimate_shift(
+          reference, reading_of(shot, trigger_of(shot)).trace, compared_window(first), contact);
+      shot.shift += found.value;
+      shot.shift_uncertainty = found.uncertainty;
+    } catch (const std::invalid_argument& why) {
+      warnings.push_back(fmt::format(
+          "{} is laid on {} by first touch alone, which blurs the mean: '{}' does not tell better "
+          "({}).",
+          shot.record->provenance.source_file, first.record->provenance.source_file,
+          shot.impact.trigger, why.what()));
+    }
+  }
 }
 
 /// Sums over shots, sample by sample.
@@ -226,10 +238,10 @@ struct Sums {
 IndexRange common_samples(const Channel& first, const std::vector<Reading>& readings) {
   double begin = 0.0, end = static_cast<double>(first.size());
   for (const Reading& reading : readings) {
-    const double ratio = first.clock.interval / reading.channel->clock.interval;
-    const double at_start = reading.index(first.clock.start);
+    const double ratio = first.clock.interval / reading.trace.interval;
+    const double at_start = reading.trace.index(first.clock.start);
     begin = std::max(begin, std::ceil(-at_start / ratio - 1e-9));
-    const double last = static_cast<double>(reading.values.size() - 1);
+    const double last = static_cast<double>(reading.trace.values.size() - 1);
     end = std::min(end, std::floor((last - at_start) / ratio + 1e-9) + 1.0);
     // Two samples less than up to touch, which is known to a sample at best.
     end =
@@ -242,16 +254,17 @@ IndexRange common_samples(const Channel& first, const std::vector<Reading>& read
 Sums sums_of(const Channel& first, const IndexRange& range, const std::vector<Reading>& readings) {
   Sums sums(range.size());
   for (const Reading& reading : readings) {
-    const double ratio = first.clock.interval / reading.channel->clock.interval;
-    const BandLimited signal(reading.values, std::max(1.0, ratio));
+    const Trace& trace = reading.trace;
+    const double ratio = first.clock.interval / trace.interval;
+    const BandLimited signal(trace.values, std::max(1.0, ratio));
     for (std::size_t i = range.begin; i < range.end; ++i) {
-      const double at = reading.index(first.clock.time(i));
-      if (!reading.sound(at)) continue;
+      const double at = trace.index(first.clock.time(i));
+      if (!sound_at(trace, at)) continue;
       const double nearest = std::round(at);
       // Nearly on a sample, and at no other rate, the sample itself.
       const bool exact = std::abs(at - nearest) < on_sample && ratio <= 1.0;
       sums.add(i - range.begin,
-               exact ? reading.values[static_cast<std::size_t>(nearest)] : signal(at));
+               exact ? trace.values[static_cast<std::size_t>(nearest)] : signal(at));
     }
   }
   return sums;
@@ -340,16 +353,11 @@ void warn_of_unlike(std::string_view what, const Likeness& likeness, Record& res
 
 /// How much later than in the first shot, triggers laid on each other, a shot shows a channel.
 /// None where the two have no likeness.
-std::optional<DelayEstimate> delay_in(const Shot& shot, const Shot& first, const Channel& channel) {
-  const auto& channels = shot.record->channels;
-  const auto found = std::ranges::find(channels, channel.name, &Channel::name);
-  if (found == channels.end()) return std::nullopt;
-  Channel moved = *found;
-  moved.clock.start -= shot.shift;
-  const double width = first.impact.width;
+std::optional<ShiftEstimate> delay_in(const Reading& reading, const Reading& reference,
+                                      const Shot& first) {
+  const double contact = first.impact.end - first.impact.start;
   try {
-    return estimate_delay(channel, moved, {first.impact.start - width, first.impact.end + width},
-                          0.25 * width);
+    return estimate_shift(reference.trace, reading.trace, compared_window(first), 0.5 * contact);
   } catch (const std::invalid_argument&) {
     return std::nullopt;
   }
@@ -357,12 +365,13 @@ std::optional<DelayEstimate> delay_in(const Shot& shot, const Shot& first, const
 
 /// Of three shots or more the one that shows a channel at another time, beside the trigger, than
 /// most do: by more than a sample and five standard uncertainties.
-void warn_of_delay_left(const std::vector<Shot>& shots, const Channel& channel, Record& result) {
+void warn_of_delay_left(const std::vector<Shot>& shots, const Channel& channel,
+                        const std::vector<Reading>& readings, Record& result) {
   if (shots.size() < 3 || channel.name == shots.front().impact.trigger) return;
   std::vector<double> values{0.0};
-  std::vector<std::pair<const Shot*, DelayEstimate>> delays{{&shots.front(), {}}};
+  std::vector<std::pair<const Shot*, ShiftEstimate>> delays{{&shots.front(), {}}};
   for (std::size_t k = 1; k < shots.size(); ++k)
-    if (const auto delay = delay_in(shots[k], shots.front(), channel)) {
+    if (const auto delay = delay_in(readings[k], readings.front(), shots.front())) {
       values.push_back(delay->value);
       delays.emplace_back(&shots[k], *delay);
     }
@@ -382,11 +391,12 @@ void warn_of_delay_left(const std::vector<Shot>& shots, const Channel& channel, 
 void note_shots(const std::vector<Shot>& shots, Record& result) {
   for (std::size_t k = 1; k < shots.size(); ++k) {
     const datasets::Provenance& from = shots[k].record->provenance;
-    result.provenance.edits.push_back({"average shots",
-                                       "",
-                                       {{"file", from.source_file},
-                                        {"sha256", from.sha256},
-                                        {"shift", fmt::format("{:.9g} s", shots[k].shift)}}});
+    Edit edit{"average shots", "", {{"file", from.source_file}, {"sha256", from.sha256}}};
+    edit.parameters["shift"] = fmt::format("{:.9g} s", shots[k].shift);
+    edit.parameters["shift uncertainty"] =
+        shots[k].shift_uncertainty ? fmt::format("{:.2g} s", *shots[k].shift_uncertainty)
+                                   : "not known: by first touch";
+    result.provenance.edits.push_back(std::move(edit));
   }
   const Likeness peaks = likeness_of(shots, peak_of);
   Edit edit{"average shots",
@@ -409,7 +419,7 @@ void note_shots(const std::vector<Shot>& shots, Record& result) {
 Record average_shots(std::span<const Record> records, const DetectionOptions& options) {
   std::vector<std::string> warnings;
   std::vector<Shot> shots = usable_shots(records, options, warnings);
-  for (std::size_t k = 1; k < shots.size(); ++k) lay_on(shots.front(), shots[k]);
+  lay_on_first(shots, warnings);
 
   const Record& first = *shots.front().record;
   Record result = first;
@@ -418,7 +428,7 @@ Record average_shots(std::span<const Record> records, const DetectionOptions& op
   for (const Channel& channel : first.channels) {
     std::vector<Reading> readings;
     for (const Shot& shot : shots)
-      if (auto reading = reading_of(shot, channel)) readings.push_back(std::move(*reading));
+      if (auto reading = reading_like(channel, shot)) readings.push_back(std::move(*reading));
     const IndexRange range =
         readings.size() == shots.size() ? common_samples(channel, readings) : IndexRange{};
     if (range.size() == 0) {
@@ -426,7 +436,7 @@ Record average_shots(std::span<const Record> records, const DetectionOptions& op
           fmt::format("Channel '{}' is not in every shot, and so not in the mean.", channel.name));
       continue;
     }
-    warn_of_delay_left(shots, channel, result);
+    warn_of_delay_left(shots, channel, readings, result);
     const Sums sums = sums_of(channel, range, readings);
     warn_of_fewer(channel.name, shots.size(), sums, result);
     for (Channel& made : channels_of(channel, range, sums))

@@ -11,9 +11,9 @@ namespace impactrig::acquisition {
 /// The mean of repeated shots, channel by channel: noise falls by the root of their number, and
 /// what differs from shot to shot stands beside it.
 ///
-/// Each shot's first impact is laid on that of the first shot by estimate_delay of the trigger
-/// channel (by first touch where that refuses), and its channels are read there between samples
-/// (BandLimited). The mean has the first shot's clock, as far as every shot reaches
+/// Each shot's first impact is laid on that of the first shot by estimate_shift of the trigger
+/// channel (by first touch, with a warning, where that refuses), and its channels are read there
+/// between samples (BandLimited). The mean has the first shot's clock, as far as every shot reaches
 /// and before any shot's second impact, since bounces do not coincide. Channels are
 /// taken by their names; those that not every shot has are left out. For each there is a second
 /// channel, "NAME, standard deviation", over the shots. A sample is the mean of the sound ones, and
@@ -24,7 +24,8 @@ namespace impactrig::acquisition {
 /// more than 5 % that is said, with the shot that is furthest from the median: contact is not
 /// linear, so the mean of unlike shots is the shot of no rig. Of three shots or more, one that
 /// shows another channel by more than a sample earlier or later beside the trigger than most is
-/// named: a delay was left in it. The edits hold files, shifts and spreads.
+/// named: a delay was left in it. The edits hold files, shifts with their standard uncertainties,
+/// and spreads.
 ///
 /// Throws datasets::InputError when fewer than two shots are left, a clock is not uniform, or units
 /// of one channel cannot be converted, or two channels of a shot have one name; what find_impacts

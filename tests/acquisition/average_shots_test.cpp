@@ -104,6 +104,50 @@ TEST(AverageShots, OfOneShotManyTimesIsThatShot) {
   EXPECT_EQ(mean.provenance.edits[2].parameters.at("shots"), "3");
 }
 
+/// By how much the mean of eight shots is off at its worst sample, of a peak of 1500.
+double error_of_short_pulses(double samples_a_contact, double noise) {
+  const double interval = 200e-6 / samples_a_contact;
+  const Sampling at{.start = -400.0 * interval, .interval = interval, .samples = 800};
+  std::vector<Record> shots;
+  for (int k = 0; k < 8; ++k) shots.push_back(shot(k, noise, 1.0, at));
+  const Record mean = average_shots(shots);
+  EXPECT_THAT(mean.warnings, testing::Not(testing::Contains(testing::HasSubstr("first touch"))));
+  double worst = 0.0;
+  for (std::size_t i = 0; i < mean.channels[0].size(); ++i)
+    worst = std::max(
+        worst, std::abs(mean.channels[0].value(i) - force_at(mean.channels[0].clock.time(i))));
+  return worst;
+}
+
+// First touch is known to a sample or three, which blurs a pulse of five to two thirds of its peak.
+TEST(AverageShots, LaysPulsesOfAFewSamplesOnEachOther) {
+  // What a pulse of five and seven samples has beyond half of the rate shows as such an error.
+  EXPECT_LT(error_of_short_pulses(5.3, 0.75), 0.045 * 1500.0);
+  EXPECT_LT(error_of_short_pulses(7.3, 0.75), 0.02 * 1500.0);
+  for (const double samples : {9.3, 11.3, 13.3, 18.3}) {
+    EXPECT_LT(error_of_short_pulses(samples, 0.75), 0.01 * 1500.0) << samples;
+    EXPECT_LT(error_of_short_pulses(samples, 15.0), 0.025 * 1500.0) << samples;  // 7 sigma/sqrt(8)
+  }
+}
+
+TEST(AverageShots, SaysWhichShotIsLaidByFirstTouchAlone) {
+  const Sampling at;
+  Record other = shot(1, 2.0);
+  other.channels[0] =
+      force_of(at, sampled(at, [](double t) {
+                 const double u = std::clamp(t / 200e-6, 0.0, 1.0);
+                 return 1500.0 * (1.0 - 0.55 * u) * std::sin(4.0 * std::numbers::pi * u);
+               }));
+  const Record mean = average_shots(std::vector<Record>{shot(0, 2.0), other, shot(2, 2.0)});
+  EXPECT_THAT(
+      mean.warnings,
+      testing::Contains(testing::MatchesRegex(
+          "shot1.csv is laid on shot0.csv by first touch alone, which blurs the mean: "
+          "'Force' does not tell better \\(what is left over is .* of what follows\\)\\.")));
+  EXPECT_EQ(mean.provenance.edits[0].parameters.at("shift uncertainty"),
+            "not known: by first touch");
+}
+
 TEST(AverageShots, LeavesOutWhatIsNoGoodShot) {
   const Sampling at;
   Record clipped = shot(1, 2.0);

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/shift_estimate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "acquisition/conditioning/background.hpp"
+#include "datasets/band_limited.hpp"
+#include "datasets/number_text.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::BandLimited;
+using datasets::TimeSpan;
+
+namespace {
+
+constexpr double most_steps = 4096.0;  ///< over the window; longer ones are thinned
+constexpr double few_steps = 24.0;     ///< over the window: 8 over a pulse between rests as long
+constexpr double no_likeness = 0.5;    ///< left over, of what follows
+constexpr std::ptrdiff_t unknowns = 4;
+constexpr std::ptrdiff_t least_counted = 2 * unknowns;
+constexpr double slope_step = 0.25;  ///< to either side, for differences
+constexpr double grace = 1e-6;       ///< of a sample: times are rounded
+
+using Marks = std::vector<std::uint8_t>;
+
+/// The kernel's reach to either side.
+const auto reach =
+    static_cast<std::ptrdiff_t>(std::ceil(BandLimited::crossings / BandLimited::cutoff));
+
+/// A signal at even steps; beyond the record's ends it stays as it is there, and does not count.
+struct Steps {
+  std::vector<double> values;
+  Marks sound;
+};
+
+Steps read_at(const Trace& trace, double start, double step, std::ptrdiff_t count) {
+  const BandLimited signal(trace.values, std::max(1.0, step / trace.interval));
+  const double last = static_cast<double>(trace.values.size()) - 1.0;
+  Steps steps;
+  for (std::ptrdiff_t k = 0; k < count; ++k) {
+    const double index = trace.index(start + step * static_cast<double>(k));
+    steps.values.push_back(signal(std::clamp(index, 0.0, last)));
+    steps.sound.push_back(sound_at(trace, index) ? 1 : 0);
+  }
+  return steps;
+}
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+/// Less the straight line through the values that count; 0 where they do not.
+std::vector<double> without_line(std::vector<double> values, const Marks& counts) {
+  double n = 0.0, sk = 0.0, skk = 0.0, sv = 0.0, skv = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (counts[i] == 0) continue;
+    const double k = static_cast<double>(i);
+    n += 1.0;
+    sk += k;
+    skk += k * k;
+    sv += values[i];
+    skv += k * values[i];
+  }
+  const double slope = (n * skv - sk * sv) / (n * skk - sk * sk);
+  const double level = (sv - slope * sk) / n;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = counts[i] == 0 ? 0.0 : values[i] - level - slope * static_cast<double>(i);
+  return values;
+}
+
+/// Reference and signal at the same steps.
+class Comparison {
+ public:
+  Comparison(const Trace& reference, const Trace& signal, const TimeSpan& window, double range,
+             double step)
+      : step_(step),
+        most_lags_(static_cast<std::ptrdiff_t>(std::ceil(range / step)) + 1),
+        margin_(most_lags_ + reach + 1) {
+    const double first = std::ceil(reference.index(window.begin) - grace);
+    const double start = reference.time(first);
+    size_ = static_cast<std::ptrdiff_t>(std::floor((window.end - start) / step + grace)) + 1;
+    if (size_ < 1) size_ = 0;
+    const double before = start - step * static_cast<double>(margin_);
+    x_ = read_at(reference, before, step, size_ + 2 * margin_);
+    y_ = read_at(signal, before, step, size_ + 2 * margin_);
+  }
+
+  /// None, and why, where the two have no likeness.
+  std::optional<ShiftEstimate> estimate(double range, std::string& reason) const {
+    if (size_ < least_counted) {
+      reason = fmt::format("{} samples are too few", size_);
+      return std::nullopt;
+    }
+    const std::ptrdiff_t lag = best_lag();
+    const Marks counts = counting_at(lag);
+    const auto counted = std::ranges::count(counts, 1);
+    if (counted < std::max(least_counted, size_ / 3)) {
+      reason = fmt::format("{} of {} samples are sound in both", counted, size_);
+      return std::nullopt;
+    }
+    return refined(lag, counts, range, reason);
+  }
+
+ private:
+  std::vector<double> part(const std::vector<double>& values, std::ptrdiff_t lag) const {
+    const auto begin = values.begin() + margin_ + lag;
+    return {begin, begin + size_};
+  }
+
+  /// Between steps, on the steps of the reference.
+  std::vector<double> moved(const Steps& steps, double shift) const {
+    const BandLimited signal(steps.values, 1.0);
+    std::vector<double> values;
+    for (std::ptrdiff_t k = 0; k < size_; ++k)
+      values.push_back(signal(static_cast<double>(k + margin_) + shift));
+    return values;
+  }
+
+  std::vector<double> slopes(const Steps& steps, double shift) const {
+    std::vector<double> values = moved(steps, shift + slope_step);
+    const std::vector<double> before = moved(steps, shift - slope_step);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = (values[i] - before[i]) / (2.0 * slope_step);
+    return values;
+  }
+
+  /// In whole steps, where the two are most alike.
+  std::ptrdiff_t best_lag() const {
+    const Marks all(static_cast<std::size_t>(size_), 1);
+    const std::vector<double> x = without_line(part(x_.values, 0), all);
+    std::ptrdiff_t best = 0;
+    double most = -INFINITY;
+    for (std::ptrdiff_t lag = -most_lags_; lag <= most_lags_; ++lag) {
+      const std::vector<double> y = without_line(part(y_.values, lag), all);
+      const double alike = dot(x, y) / std::sqrt(dot(y, y));
+      if (!(alike > most)) continue;
+      most = alike;
+      best = lag;
+    }
+    return best;
+  }
+
+  Marks counting_at(std::ptrdiff_t lag) const {
+    Marks counts(static_cast<std::size_t>(size_), 0);
+    for (std::ptrdiff_t k = 0; k < size_; ++k) {
+      const auto i = static_cast<std::size_t>(k + margin_);
+      const auto j = static_cast<std::size_t>(k + margin_ + lag);
+      counts[static_cast<std::size_t>(k)] = x_.sound[i] != 0 && y_.sound[j] != 0 ? 1 : 0;
+    }
+    return counts;
+  }
+
+  std::optional<ShiftEstimate> refined(std::ptrdiff_t lag, const Marks& counts, double range,
+                                       std::string& reason) const {
+    const std::vector<double> x = without_line(moved(x_, 0.0), counts);
+    const double xx = dot(x, x);
+    const auto left_over = [&](double part_of_step) {  // of y's square
+      const std::vector<double> y =
+          without_line(moved(y_, static_cast<double>(lag) + part_of_step), counts);
+      const double xy = dot(x, y);
+      return std::max(0.0, 1.0 - xy * std::abs(xy) / (xx * dot(y, y)));
+    };
+    const auto [fraction, least] = boost::math::tools::brent_find_minima(left_over, -1.0, 1.0, 20);
+    const double shift = static_cast<double>(lag) + fraction;
+    const double misfit = least < 1.0 ? std::sqrt(least / (1.0 - least)) : INFINITY;
+    if (!(misfit < no_likeness)) {
+      reason = fmt::format("what is left over is {} of what follows", datasets::figures(misfit, 2));
+      return std::nullopt;
+    }
+    if (!(std::abs(shift) * step_ < range)) {
+      reason = fmt::format("the best shift is at the edge of +-{:.3g} s", range);
+      return std::nullopt;
+    }
+    const double error = uncertainty_at(shift, x, counts);
+    if (std::isfinite(error)) return ShiftEstimate{shift * step_, error * step_};
+    reason = "its noise hides how steep it is";
+    return std::nullopt;
+  }
+
+  /// In steps.
+  double uncertainty_at(double shift, const std::vector<double>& x, const Marks& counts) const {
+    std::vector<double> residuals = without_line(moved(y_, shift), counts);
+    const double xx = dot(x, x), a = dot(x, residuals) / xx;
+    const auto without_x = [&](std::vector<double>&& values) {
+      std::vector<double> rest = without_line(std::move(values), counts);
+      const double share = dot(x, rest) / xx;
+      for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= share * x[i];
+      return rest;
+    };
+    const std::vector<double> dx = without_x(slopes(x_, 0.0)), dy = without_x(slopes(y_, shift));
+    for (std::size_t i = 0; i < residuals.size(); ++i) residuals[i] -= a * x[i];
+    const double steepness = sure_steepness(a, dx, dy);
+    if (!(steepness > 0.0)) return INFINITY;
+    const double of_noise = std::max(0.0, dot(dy, dy) - steepness);
+    const double freedom = static_cast<double>(std::ranges::count(counts, 1) - unknowns);
+    const double variance =
+        dot(residuals, residuals) / freedom * correlation_time(residuals, counts);
+    return std::sqrt(variance / steepness * (1.0 + 0.5 * of_noise / steepness));
+  }
+
+  /// S = a Σ x' y' less two standard errors of what noise makes of it: among several S with noise
+  /// of their own the largest would be too large.
+  double sure_steepness(double a, const std::vector<double>& dx,
+                        const std::vector<double>& dy) const {
+    const double steepness = a * dot(dx, dy);
+    const double of_x = std::max(0.0, a * a * dot(dx, dx) - steepness);
+    const double of_y = std::max(0.0, dot(dy, dy) - steepness);
+    const double squares = std::max(0.0, steepness) * (of_x + of_y) + of_x * of_y;
+    return steepness - 2.0 * std::sqrt(squares / static_cast<double>(size_));
+  }
+
+  double step_;
+  std::ptrdiff_t most_lags_, margin_, size_ = 0;
+  Steps x_, y_;  ///< of the window and a margin to either side
+};
+
+}  // namespace
+
+bool sound_at(const Trace& trace, double index) {
+  const double last = static_cast<double>(trace.values.size()) - 1.0;
+  if (index < -grace || index > last + grace) return false;
+  const auto below = static_cast<std::size_t>(std::max(0.0, std::floor(index)));
+  const std::size_t end = trace.values.size() - 1;
+  return trace.is_valid(std::min(below, end)) && trace.is_valid(std::min(below + 1, end));
+}
+
+ShiftEstimate estimate_shift(const Trace& reference, const Trace& signal, const TimeSpan& window,
+                             double range) {
+  const double length = window.end - window.begin;
+  double step = std::max({reference.interval, signal.interval, length / most_steps});
+  std::optional<ShiftEstimate> best;
+  std::string reason;
+  do {
+    const auto found = Comparison(reference, signal, window, range, step).estimate(range, reason);
+    if (found && (!best || found->uncertainty < best->uncertainty)) best = found;
+    step *= 2.0;
+  } while (length >= few_steps * step);
+  if (!best) throw std::invalid_argument(reason);
+  return *best;
+}
+
+}  // namespace impactrig::acquisition
