@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "acquisition/conditioning/repeated_shots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "acquisition/conditioning/trace.hpp"
+#include "datasets/input_error.hpp"
+
+namespace impactrig::acquisition {
+
+using datasets::Channel;
+using datasets::Impact;
+using datasets::ImpactFlag;
+using datasets::InputError;
+using datasets::Record;
+
+namespace {
+
+constexpr std::array unusable{ImpactFlag::clipped, ImpactFlag::double_hit, ImpactFlag::too_short};
+
+/// Channels of different shots are told by their names.
+void refuse_equal_names(const Record& record) {
+  for (const Channel& channel : record.channels)
+    if (std::ranges::count(record.channels, channel.name, &Channel::name) > 1)
+      throw InputError(whole_file(record.provenance.source_file),
+                       fmt::format("has several channels named '{}'; give each a name of its own "
+                                   "in a map (--map)",
+                                   channel.name));
+}
+
+/// Why a shot cannot be used; empty when it can.
+std::string reason_against(const std::vector<Impact>& impacts) {
+  if (impacts.empty()) return "there is no impact in it";
+  for (const ImpactFlag flag : unusable)
+    if (impacts.front().has(flag)) return fmt::format("its impact is {}", name(flag));
+  return {};
+}
+
+/// Takes out the shots of which `value` has the other sign than that of most (of the first, where
+/// as many have either), and says of which `what`. None has a sign where `value` is 0.
+template <typename Value>
+void leave_out_opposite(std::string_view what, const Value& value, std::vector<Shot>& shots,
+                        std::vector<std::string>& warnings) {
+  int balance = 0;
+  for (const Shot& shot : shots) balance += (value(shot) > 0.0) - (value(shot) < 0.0);
+  const auto first = std::ranges::find_if(shots, [&](const Shot& s) { return value(s) != 0.0; });
+  if (first == shots.end()) return;
+  const double sign = balance != 0 ? balance : value(*first);
+  std::erase_if(shots, [&](const Shot& shot) {
+    const bool opposite = value(shot) * sign < 0.0;
+    if (opposite)
+      warnings.push_back(fmt::format("{} is not in the mean: its {} has the opposite sign.",
+                                     shot.record->provenance.source_file, what));
+    return opposite;
+  });
+}
+
+/// Takes out the shots whose impact was found in another quantity than that of most (of the first,
+/// where as many have either): their peaks are not of one kind.
+void leave_out_other_triggers(std::vector<Shot>& shots, std::vector<std::string>& warnings) {
+  if (shots.empty()) return;
+  const auto of_its_kind = [&](const Shot& shot) {
+    return std::ranges::count_if(shots, [&](const Shot& other) {
+      return trigger_of(other).quantity == trigger_of(shot).quantity;
+    });
+  };
+  const Channel& usual = trigger_of(*std::ranges::max_element(shots, {}, of_its_kind));
+  std::erase_if(shots, [&](const Shot& shot) {
+    const Channel& trigger = trigger_of(shot);
+    if (trigger.quantity == usual.quantity) return false;
+    warnings.push_back(fmt::format(
+        "{} is not in the mean: its impact is found in '{}' ({}), that of the others in '{}' ({}).",
+        shot.record->provenance.source_file, trigger.name, name(trigger.quantity), usual.name,
+        name(usual.quantity)));
+    return true;
+  });
+}
+
+}  // namespace
+
+const Channel& trigger_of(const Shot& shot) {
+  return *std::ranges::find(shot.record->channels, shot.impact.trigger, &Channel::name);
+}
+
+double approach_of(const Shot& shot) {
+  const Impact& impact = shot.impact;
+  if (!impact.velocity) return 0.0;
+  const bool known = std::abs(impact.approach_velocity) > 3.0 * impact.velocity->noise;
+  return known ? impact.approach_velocity : 0.0;
+}
+
+std::vector<Shot> usable_shots(std::span<const Record> records, const DetectionOptions& options,
+                               std::vector<std::string>& warnings) {
+  std::vector<Shot> shots;
+  for (const Record& record : records) {
+    refuse_equal_names(record);
+    const std::vector<Impact> impacts = find_impacts(record, options);
+    const std::string reason = reason_against(impacts);
+    if (reason.empty())
+      shots.push_back({&record, impacts.front(), impacts.size() > 1 ? impacts[1].start : INFINITY});
+    else
+      warnings.push_back(
+          fmt::format("{} is not in the mean: {}.", record.provenance.source_file, reason));
+  }
+  leave_out_other_triggers(shots, warnings);
+  leave_out_opposite(
+      "peak", [](const Shot& shot) { return shot.impact.peak; }, shots, warnings);
+  leave_out_opposite("approach velocity", approach_of, shots, warnings);
+  if (shots.size() < 2)
+    throw InputError(
+        whole_file(records.empty() ? "" : records.front().provenance.source_file),
+        fmt::format("a mean needs two shots at least, and {} of {} can be used{}{}", shots.size(),
+                    records.size(), warnings.empty() ? "" : ": ", fmt::join(warnings, " ")));
+  return shots;
+}
+
+}  // namespace impactrig::acquisition
