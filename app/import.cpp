@@ -240,7 +240,7 @@ datasets::Record import_at_once(const Options& options, std::vector<Input>& inpu
   }
   datasets::Record record;
   if (options.average)
-    record = acquisition::average_shots(records, detection_options(options.detection));
+    record = acquisition::average_shots(std::move(records), detection_options(options.detection));
   else
     for (datasets::Record& next : records) join(std::move(next), record);
   records.clear();

@@ -164,6 +164,22 @@ Sums sums_of(const Channel& first, const IndexRange& range, const std::vector<Re
   return sums;
 }
 
+/// What came off the clocks of the shots' channels of that name, in the mean; none where nothing
+/// did. Uncertainties are one sensor's, so they do not average out.
+std::optional<datasets::Delay> mean_delay(const std::vector<Shot>& shots, const std::string& name) {
+  datasets::Delay mean{0.0, 0.0, true};
+  bool any = false;
+  for (const Shot& shot : shots) {
+    const auto& channels = shot.record->channels;
+    const auto found = std::ranges::find(channels, name, &Channel::name);
+    if (found == channels.end() || !found->delay) continue;
+    any = true;
+    mean.value += found->delay->value / static_cast<double>(shots.size());
+    mean.uncertainty += found->delay->uncertainty / static_cast<double>(shots.size());
+  }
+  return any ? std::optional(mean) : std::nullopt;
+}
+
 /// The mean and its neighbour, the standard deviation.
 std::array<Channel, 2> channels_of(const Channel& first, const IndexRange& range,
                                    const Sums& sums) {
@@ -290,6 +306,9 @@ void note_shots(const std::vector<Shot>& shots, Record& result) {
     edit.parameters["shift uncertainty"] =
         shots[k].shift_uncertainty ? fmt::format("{:.2g} s", *shots[k].shift_uncertainty)
                                    : "not known: by first touch";
+    for (const Edit& own : from.edits)
+      if (own.what == "remove delay")
+        edit.parameters["delay taken off '" + own.channel + "'"] = own.parameters.at("delay");
     result.provenance.edits.push_back(std::move(edit));
   }
   const Likeness peaks = likeness_of(shots, peak_of);
@@ -310,7 +329,7 @@ void note_shots(const std::vector<Shot>& shots, Record& result) {
 
 }  // namespace
 
-Record average_shots(std::span<const Record> records, const DetectionOptions& options) {
+Record average_shots(std::vector<Record> records, const DetectionOptions& options) {
   std::vector<std::string> warnings;
   std::vector<Shot> shots = usable_shots(records, options, warnings);
   lay_on_first(shots, warnings);
@@ -333,8 +352,10 @@ Record average_shots(std::span<const Record> records, const DetectionOptions& op
     warn_of_delay_left(shots, channel, readings, result);
     const Sums sums = sums_of(channel, range, readings);
     warn_of_fewer(channel.name, shots.size(), sums, result);
-    for (Channel& made : channels_of(channel, range, sums))
+    for (Channel& made : channels_of(channel, range, sums)) {
+      made.delay = mean_delay(shots, channel.name);
       result.channels.push_back(std::move(made));
+    }
   }
   note_shots(shots, result);
   return result;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <span>
+#include <vector>
 
 #include "acquisition/conditioning/condition.hpp"
 #include "datasets/record.hpp"
@@ -13,11 +13,13 @@ namespace impactrig::acquisition {
 ///
 /// Each shot's first impact is laid on that of the first shot by estimate_shift of the trigger
 /// channel (by first touch, with a warning, where that refuses), and its channels are read there
-/// between samples (BandLimited). The mean has the first shot's clock, as far as every shot reaches
-/// and before any shot's second impact, since bounces do not coincide. Channels are
-/// taken by their names; those that not every shot has are left out. For each there is a second
-/// channel, "NAME, standard deviation", over the shots. A sample is the mean of the sound ones, and
-/// invalid where there are fewer than two.
+/// between samples (BandLimited). Delays that are known (Channel::delay) and not taken off yet come
+/// off first; of those of one channel the mean has the mean, and the mean of their uncertainties,
+/// since one sensor's do not average out. The mean has the first shot's clock, as far as every shot
+/// reaches and before any shot's second impact, since bounces do not coincide. Channels are taken
+/// by their names; those that not every shot has are left out. For each there is a second channel,
+/// "NAME, standard deviation", over the shots. A sample is the mean of the sound ones, and invalid
+/// where there are fewer than two.
 ///
 /// A shot without impact, or whose impact is clipped, hit twice or cut, of the other sign or found
 /// in another quantity, is left out with a warning. When peaks or approach velocities spread by
@@ -30,7 +32,7 @@ namespace impactrig::acquisition {
 /// Throws datasets::InputError when fewer than two shots are left, a clock is not uniform, or units
 /// of one channel cannot be converted, or two channels of a shot have one name; what find_impacts
 /// throws.
-datasets::Record average_shots(std::span<const datasets::Record> shots,
+datasets::Record average_shots(std::vector<datasets::Record> shots,
                                const DetectionOptions& options = {});
 
 }  // namespace impactrig::acquisition

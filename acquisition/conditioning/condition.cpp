@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "acquisition/conditioning/delay.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/units.hpp"
@@ -239,24 +240,6 @@ void apply_polarity(Channel& channel, const Sensor& sensor, std::vector<Edit>& e
   edits.push_back({"apply polarity", channel.name, {{"polarity", "-1"}}});
 }
 
-bool says_something(const datasets::Delay& delay) {
-  return delay.value != 0.0 || delay.uncertainty != 0.0;
-}
-
-/// Takes the known delay off the clock: the sensor's statement, else the recording's own.
-void remove_delay(Channel& channel, const datasets::Delay& stated, std::vector<Edit>& edits) {
-  if (channel.delay && channel.delay->removed) return;
-  datasets::Delay delay = channel.delay && !says_something(stated) ? *channel.delay : stated;
-  channel.clock.start -= delay.value;
-  delay.removed = true;
-  channel.delay = delay;
-  if (delay.value == 0.0) return;
-  edits.push_back({"remove delay",
-                   channel.name,
-                   {{"delay", fmt::format("{:.12g} s", delay.value)},
-                    {"uncertainty", fmt::format("{:.12g} s", delay.uncertainty)}}});
-}
-
 /// A map's delay gives way to the rig file's; both may be meant.
 void warn_of_two_delays(const Claim& claim, Record& result) {
   const auto& own = claim.channel->delay;
@@ -300,7 +283,8 @@ Channel conditioned(const Record& record, const Claim& claim, Record& result) {
   convert_to_si(record, claim, channel, result);
   apply_polarity(channel, *claim.sensor, result.provenance.edits);
   warn_of_two_polarities(record, claim, result);
-  remove_delay(channel, claim.sensor->delay, result.provenance.edits);
+  if (auto edit = remove_known_delay(channel, claim.sensor->delay))
+    result.provenance.edits.push_back(std::move(*edit));
   warn_of_two_delays(claim, result);
   keep_calibration(channel, *claim.sensor);
   if (claim.sensor->range > 0.0)

@@ -327,4 +327,22 @@ Edit remove_estimated_delay(const DelayEstimate& estimate, const std::string& re
   return edit;
 }
 
+bool says_something(const datasets::Delay& delay) {
+  return delay.value != 0.0 || delay.uncertainty != 0.0;
+}
+
+std::optional<Edit> remove_known_delay(Channel& channel, const datasets::Delay& stated) {
+  if (channel.delay && channel.delay->removed) return std::nullopt;
+  datasets::Delay delay = channel.delay && !says_something(stated) ? *channel.delay : stated;
+  channel.clock.start -= delay.value;
+  for (double& time : channel.clock.times) time -= delay.value;
+  delay.removed = true;
+  channel.delay = delay;
+  if (delay.value == 0.0) return std::nullopt;
+  return Edit{"remove delay",
+              channel.name,
+              {{"delay", fmt::format("{:.12g} s", delay.value)},
+               {"uncertainty", fmt::format("{:.12g} s", delay.uncertainty)}}};
+}
+
 }  // namespace impactrig::acquisition

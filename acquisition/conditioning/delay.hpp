@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "datasets/conditioning.hpp"
@@ -48,5 +49,13 @@ DelayEstimate estimate_delay(const datasets::Channel& reference, const datasets:
 /// Takes an estimated delay off the channel's clock, beside what was taken off before.
 datasets::Edit remove_estimated_delay(const DelayEstimate& estimate, const std::string& reference,
                                       datasets::Channel& channel);
+
+/// Whether a statement gives a value or an uncertainty.
+bool says_something(const datasets::Delay& delay);
+
+/// Takes a known delay off the channel's clock: what is stated, else the channel's own. One that
+/// was taken off already stays as it is. An edit where the clock has moved.
+std::optional<datasets::Edit> remove_known_delay(datasets::Channel& channel,
+                                                 const datasets::Delay& stated = {});
 
 }  // namespace impactrig::acquisition

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
 
+#include "acquisition/conditioning/delay.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
 
@@ -30,6 +32,14 @@ void refuse_equal_names(const Record& record) {
                        fmt::format("has several channels named '{}'; give each a name of its own "
                                    "in a map (--map)",
                                    channel.name));
+}
+
+void remove_known_delays(Record& record) {
+  for (Channel& channel : record.channels) {
+    if (!channel.delay) continue;
+    if (auto edit = remove_known_delay(channel))
+      record.provenance.edits.push_back(std::move(*edit));
+  }
 }
 
 /// Why a shot cannot be used; empty when it can.
@@ -93,11 +103,12 @@ double approach_of(const Shot& shot) {
   return known ? impact.approach_velocity : 0.0;
 }
 
-std::vector<Shot> usable_shots(std::span<const Record> records, const DetectionOptions& options,
+std::vector<Shot> usable_shots(std::span<Record> records, const DetectionOptions& options,
                                std::vector<std::string>& warnings) {
   std::vector<Shot> shots;
-  for (const Record& record : records) {
+  for (Record& record : records) {
     refuse_equal_names(record);
+    remove_known_delays(record);
     const std::vector<Impact> impacts = find_impacts(record, options);
     const std::string reason = reason_against(impacts);
     if (reason.empty())

@@ -29,10 +29,11 @@ const datasets::Channel& trigger_of(const Shot& shot);
 /// 0 where it does not stand out of the noise, or there is no velocity.
 double approach_of(const Shot& shot);
 
-/// The shots that a mean can be made of; `warnings` say which are left out, and why. Throws
+/// The shots that a mean can be made of, known delays taken off their clocks (an edit each);
+/// `warnings` say which are left out, and why. The shots point to the records. Throws
 /// datasets::InputError when there are fewer than two, or two channels of a shot have one name;
 /// what find_impacts throws.
-std::vector<Shot> usable_shots(std::span<const datasets::Record> records,
-                               const DetectionOptions& options, std::vector<std::string>& warnings);
+std::vector<Shot> usable_shots(std::span<datasets::Record> records, const DetectionOptions& options,
+                               std::vector<std::string>& warnings);
 
 }  // namespace impactrig::acquisition

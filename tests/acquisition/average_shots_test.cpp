@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "datasets/input_error.hpp"
 #include "tests/acquisition/scene.hpp"
@@ -234,6 +235,46 @@ TEST(AverageShots, SaysInWhichShotADelayIsLeft) {
                               ".csv shows 'Velocity' (5|4\\.9.|5\\.0.)e-06 s later than most "
                               "shots do, beside 'Force': the mean is blurred by it\\. .*"));
   }
+}
+
+/// Four shots of which one shows the velocity late, and says so or not.
+std::vector<Record> with_one_late(std::size_t late, const std::optional<datasets::Delay>& stated) {
+  std::vector<Record> shots;
+  for (int k = 0; k < 4; ++k) shots.push_back(shot(k, 3.0));
+  shots[late].channels[1].clock.start += 30e-6;
+  shots[late].channels[1].delay = stated;
+  return shots;
+}
+
+// The warning's advice, followed.
+TEST(AverageShots, TakesStatedDelaysOff) {
+  for (const std::size_t late : {std::size_t{0}, std::size_t{2}}) {
+    const Record mean = average_shots(with_one_late(late, datasets::Delay{30e-6, 0.2e-6, false}));
+    EXPECT_THAT(mean.warnings, testing::IsEmpty());
+    EXPECT_LT(rms_error(mean.channels[2], velocity_at), 3e-4);
+    ASSERT_TRUE(mean.channels[2].delay);
+    EXPECT_TRUE(mean.channels[2].delay->removed);
+    EXPECT_NEAR(mean.channels[2].delay->value, 7.5e-6, 1e-12);
+    EXPECT_NEAR(mean.channels[2].delay->uncertainty, 0.05e-6, 1e-12);
+    EXPECT_FALSE(mean.channels[0].delay);
+    const datasets::Edit& edit = mean.provenance.edits[late == 0 ? 0 : 1];
+    EXPECT_EQ(edit.what, late == 0 ? "remove delay" : "average shots");
+    EXPECT_EQ(edit.parameters.at(late == 0 ? "delay" : "delay taken off 'Velocity'"), "3e-05 s");
+  }
+}
+
+// What has come off already does not do so again.
+TEST(AverageShots, KeepsDelaysThatAreTakenOff) {
+  std::vector<Record> shots;
+  for (int k = 0; k < 3; ++k) {
+    shots.push_back(shot(k, 3.0));
+    shots.back().channels[1].delay = datasets::Delay{2e-6, 0.2e-6, true};
+  }
+  const Record mean = average_shots(shots);
+  EXPECT_LT(rms_error(mean.channels[2], velocity_at), 3e-4);
+  EXPECT_TRUE(mean.channels[2].delay->removed);
+  EXPECT_NEAR(mean.channels[2].delay->value, 2e-6, 1e-12);
+  EXPECT_NEAR(mean.channels[2].delay->uncertainty, 0.2e-6, 1e-12);
 }
 
 TEST(AverageShots, LeavesOutAShotWithoutTheTriggersQuantity) {
