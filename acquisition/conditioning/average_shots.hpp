@@ -22,9 +22,10 @@ namespace impactrig::acquisition {
 /// where there are fewer than two.
 ///
 /// A shot without impact, or whose impact is clipped, hit twice or cut, of the other sign or found
-/// in another quantity, is left out with a warning. When peaks or approach velocities spread by
-/// more than 5 % that is said, with the shot that is furthest from the median: contact is not
-/// linear, so the mean of unlike shots is the shot of no rig. Of three shots or more, one that
+/// in another quantity, is left out with a warning. Where it has unmarked dropouts they are marked,
+/// by repair_dropouts of the whole channel, with a warning. When peaks or approach velocities
+/// spread by more than 5 % that is said, with the shot that is furthest from the median: contact is
+/// not linear, so the mean of unlike shots is the shot of no rig. Of three shots or more, one that
 /// shows another channel by more than a sample earlier or later beside the trigger than most is
 /// named: a delay was left in it. The edits hold files, shifts with their standard uncertainties,
 /// and spreads.

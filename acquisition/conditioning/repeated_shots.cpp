@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "acquisition/conditioning/delay.hpp"
+#include "acquisition/conditioning/dropouts.hpp"
 #include "acquisition/conditioning/trace.hpp"
 #include "datasets/input_error.hpp"
 
@@ -22,7 +23,8 @@ using datasets::Record;
 
 namespace {
 
-constexpr std::array unusable{ImpactFlag::clipped, ImpactFlag::double_hit, ImpactFlag::too_short};
+constexpr std::array unusable{ImpactFlag::clipped, ImpactFlag::double_hit, ImpactFlag::too_short,
+                              ImpactFlag::unmarked_dropout};
 
 /// Channels of different shots are told by their names.
 void refuse_equal_names(const Record& record) {
@@ -40,6 +42,29 @@ void remove_known_delays(Record& record) {
     if (auto edit = remove_known_delay(channel))
       record.provenance.edits.push_back(std::move(*edit));
   }
+}
+
+/// Marks what a laser has lost without a mark, so that it is in no mean.
+void mark_dropouts(const std::string& name, Record& record, std::vector<std::string>& warnings) {
+  Channel& channel = *std::ranges::find(record.channels, name, &Channel::name);
+  datasets::Edit edit = repair_dropouts(channel, {});
+  if (!edit.parameters.contains("first")) return;
+  warnings.push_back(fmt::format(
+      "{}: '{}' has dropouts that nobody marked, from {} on: of this shot these samples "
+      "are not in the mean ({}), as with the step dropouts in a map.",
+      record.provenance.source_file, name, edit.parameters.at("first"),
+      edit.parameters.at("samples")));
+  record.provenance.edits.push_back(std::move(edit));
+}
+
+/// As find_impacts finds them where the motion has no unmarked dropouts in the first one.
+std::vector<Impact> impacts_without_dropouts(Record& record, const DetectionOptions& options,
+                                             std::vector<std::string>& warnings) {
+  std::vector<Impact> impacts = find_impacts(record, options);
+  if (impacts.empty() || !impacts.front().has(ImpactFlag::unmarked_dropout)) return impacts;
+  for (const auto& signal : {impacts.front().velocity, impacts.front().displacement})
+    if (signal) mark_dropouts(signal->channel, record, warnings);
+  return find_impacts(record, options);
 }
 
 /// Why a shot cannot be used; empty when it can.
@@ -109,7 +134,7 @@ std::vector<Shot> usable_shots(std::span<Record> records, const DetectionOptions
   for (Record& record : records) {
     refuse_equal_names(record);
     remove_known_delays(record);
-    const std::vector<Impact> impacts = find_impacts(record, options);
+    const std::vector<Impact> impacts = impacts_without_dropouts(record, options, warnings);
     const std::string reason = reason_against(impacts);
     if (reason.empty())
       shots.push_back({&record, impacts.front(), impacts.size() > 1 ? impacts[1].start : INFINITY});

@@ -29,7 +29,8 @@ const datasets::Channel& trigger_of(const Shot& shot);
 /// 0 where it does not stand out of the noise, or there is no velocity.
 double approach_of(const Shot& shot);
 
-/// The shots that a mean can be made of, known delays taken off their clocks (an edit each);
+/// The shots that a mean can be made of, known delays taken off their clocks and
+/// unmarked dropouts of the first impact marked (an edit each);
 /// `warnings` say which are left out, and why. The shots point to the records. Throws
 /// datasets::InputError when there are fewer than two, or two channels of a shot have one name;
 /// what find_impacts throws.

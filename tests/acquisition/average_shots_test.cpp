@@ -300,6 +300,27 @@ TEST(AverageShots, LeavesOutWhatIsNotFinite) {
                                  "samples are the mean of fewer than all 3 shots, down to 2")));
 }
 
+// A laser without light for 50 us, as inspect flags it; be it the first shot's.
+TEST(AverageShots, MarksUnmarkedDropouts) {
+  for (const std::size_t lost : {std::size_t{0}, std::size_t{2}})
+    for (const double from : {-300e-6, 60e-6}) {
+      std::vector<Record> shots;
+      for (int k = 0; k < 4; ++k) shots.push_back(shot(k, 3.0));
+      const double touch = 37.3e-6 * static_cast<double>(lost);
+      auto& samples = std::get<std::vector<double>>(shots[lost].channels[1].raw);
+      const auto begin = static_cast<std::size_t>((from + touch + 1e-3) / 1e-6);
+      std::fill_n(samples.begin() + static_cast<std::ptrdiff_t>(begin), 50, 0.0);
+      const Record mean = average_shots(shots);
+      ASSERT_THAT(mean.warnings,
+                  testing::Contains(testing::MatchesRegex(
+                      "shot" + std::to_string(lost) +
+                      "\\.csv: 'Velocity' has dropouts that nobody marked, from .* s on: .*")))
+          << lost << ' ' << from;
+      EXPECT_LT(rms_error(mean.channels[2], velocity_at), 3e-4) << lost << ' ' << from;
+      EXPECT_TRUE(mean.channels[0].valid.empty());
+    }
+}
+
 TEST(AverageShots, ConvertsUnitsAndLeavesInvalidSamplesOut) {
   Record second = shot(0, 0.0);
   second.provenance.source_file = "second.csv";
