@@ -58,7 +58,6 @@ void leave_out_spikes(const Shot& shot, const std::string& channel, Trace& trace
 
 /// In the channel's unit, its touch on the first shot's as far as `shot.shift` says.
 Reading reading_of(const Shot& shot, const Channel& channel) {
-  refuse_unusable_clock(channel, shot.record->provenance.source_file);
   Reading reading{{channel.quantity, channel.clock.start, channel.clock.interval,
                    sound_values(channel), sound_marks(channel)},
                   shot.next - shot.shift};
@@ -67,18 +66,15 @@ Reading reading_of(const Shot& shot, const Channel& channel) {
   return reading;
 }
 
-/// None when the shot has no such channel.
-std::optional<Reading> reading_like(const Channel& like, const Shot& shot) {
-  const auto& channels = shot.record->channels;
-  const auto found = std::ranges::find(channels, like.name, &Channel::name);
-  if (found == channels.end()) return std::nullopt;
-  Reading reading = reading_of(shot, *found);
-  if (found->unit == like.unit) return reading;
-  const auto conversion = datasets::conversion(found->unit, like.unit);
+Reading reading_like(const Channel& like, const Shot& shot) {
+  const Channel& channel = *channel_of(shot, like.name);
+  Reading reading = reading_of(shot, channel);
+  if (channel.unit == like.unit) return reading;
+  const auto conversion = datasets::conversion(channel.unit, like.unit);
   if (!conversion)
-    throw InputError(whole_file(shot.record->provenance.source_file),
+    throw InputError(whole_file(file_of(shot)),
                      fmt::format("channel '{}' is in '{}' here and in '{}' in the first shot",
-                                 like.name, found->unit, like.unit));
+                                 like.name, channel.unit, like.unit));
   for (double& value : reading.trace.values)
     value = conversion->factor * value + conversion->offset;
   return reading;
@@ -108,8 +104,7 @@ void lay_on_first(std::vector<Shot>& shots, std::vector<std::string>& warnings) 
       warnings.push_back(fmt::format(
           "{} is laid on {} by first touch alone, which blurs the mean: '{}' does not tell better "
           "({}).",
-          shot.record->provenance.source_file, first.record->provenance.source_file,
-          shot.impact.trigger, why.what()));
+          file_of(shot), file_of(first), shot.impact.trigger, why.what()));
     }
   }
 }
@@ -170,12 +165,11 @@ std::optional<datasets::Delay> mean_delay(const std::vector<Shot>& shots, const 
   datasets::Delay mean{0.0, 0.0, true};
   bool any = false;
   for (const Shot& shot : shots) {
-    const auto& channels = shot.record->channels;
-    const auto found = std::ranges::find(channels, name, &Channel::name);
-    if (found == channels.end() || !found->delay) continue;
+    const Channel& channel = *channel_of(shot, name);
+    if (!channel.delay) continue;
     any = true;
-    mean.value += found->delay->value / static_cast<double>(shots.size());
-    mean.uncertainty += found->delay->uncertainty / static_cast<double>(shots.size());
+    mean.value += channel.delay->value / static_cast<double>(shots.size());
+    mean.uncertainty += channel.delay->uncertainty / static_cast<double>(shots.size());
   }
   return any ? std::optional(mean) : std::nullopt;
 }
@@ -231,6 +225,10 @@ Likeness likeness_of(const std::vector<Shot>& shots, const Value& value) {
   return result;
 }
 
+void warn_of_no_mean(const std::string& channel, std::string_view reason, Record& result) {
+  result.warnings.push_back(fmt::format("Channel '{}' is not in the mean: {}.", channel, reason));
+}
+
 void warn_of_fewer(const std::string& channel, std::size_t shots, const Sums& sums,
                    Record& result) {
   const auto all = static_cast<double>(shots);
@@ -255,8 +253,7 @@ void warn_of_unlike(std::string_view what, const Likeness& likeness, Record& res
       what, datasets::percent(likeness.spread));
   if (likeness.furthest != nullptr)
     warning += fmt::format(", or leave out {}, which is {} {} their median",
-                           likeness.furthest->record->provenance.source_file,
-                           datasets::percent(std::abs(likeness.off)),
+                           file_of(*likeness.furthest), datasets::percent(std::abs(likeness.off)),
                            likeness.off < 0.0 ? "below" : "above");
   result.warnings.push_back(warning + ".");
 }
@@ -293,8 +290,8 @@ void warn_of_delay_left(const std::vector<Shot>& shots, const Channel& channel,
     result.warnings.push_back(fmt::format(
         "{} shows '{}' {:.3g} s {} than most shots do, beside '{}': the mean is blurred by it. "
         "State the delay in that shot's map, or leave the shot out.",
-        shot->record->provenance.source_file, channel.name, std::abs(off),
-        off > 0.0 ? "later" : "earlier", shot->impact.trigger));
+        file_of(*shot), channel.name, std::abs(off), off > 0.0 ? "later" : "earlier",
+        shot->impact.trigger));
   }
 }
 
@@ -327,6 +324,68 @@ void note_shots(const std::vector<Shot>& shots, Record& result) {
   result.provenance.edits.push_back(std::move(edit));
 }
 
+/// The names of all shots' channels, those of the first one in front.
+std::vector<std::string> names_in(const std::vector<Shot>& shots) {
+  std::vector<std::string> names;
+  for (const Shot& shot : shots)
+    for (const Channel& channel : shot.record->channels)
+      if (std::ranges::find(names, channel.name) == names.end()) names.push_back(channel.name);
+  return names;
+}
+
+/// Why a mean of histories cannot have a channel of that name; empty where it can.
+std::string reason_against(const std::string& name, const std::vector<Shot>& shots) {
+  std::vector<std::string> without;
+  for (const Shot& shot : shots)
+    if (channel_of(shot, name) == nullptr) without.push_back(file_of(shot));
+  if (!without.empty()) return "it is not in " + listed(without);
+  for (const Shot& shot : shots) {
+    const Channel& channel = *channel_of(shot, name);
+    if (channel.size() == 1) return "it is a single value in " + file_of(shot);
+    try {
+      refuse_unusable_clock(channel, file_of(shot));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    if (sound_samples(channel, {0, channel.size()}) == 0)
+      return "it has no sound sample in " + file_of(shot);
+  }
+  return {};
+}
+
+/// Single values in all shots, which are settings or the like: whether they are one, too.
+bool is_one_value(const std::string& name, const std::vector<Shot>& shots, std::string& reason) {
+  const Channel* const first = channel_of(shots.front(), name);
+  std::vector<double> values;
+  for (const Shot& shot : shots) {
+    const Channel* const channel = channel_of(shot, name);
+    if (channel == nullptr || channel->size() != 1 || channel->unit != first->unit) return false;
+    values.push_back(channel->value(0));
+  }
+  const auto [least, most] = std::ranges::minmax(values);
+  if (least == most) return true;
+  reason = fmt::format("it is a single value a shot, from {:.6g} to {:.6g}", least, most);
+  return false;
+}
+
+/// The mean of a channel that all shots have, and its standard deviation.
+void add_mean(const Channel& channel, const std::vector<Shot>& shots, Record& result) {
+  std::vector<Reading> readings;
+  for (const Shot& shot : shots) readings.push_back(reading_like(channel, shot));
+  const IndexRange range = common_samples(channel, readings);
+  if (range.size() == 0) {
+    warn_of_no_mean(channel.name, "the shots have no time of it in common", result);
+    return;
+  }
+  warn_of_delay_left(shots, channel, readings, result);
+  const Sums sums = sums_of(channel, range, readings);
+  warn_of_fewer(channel.name, shots.size(), sums, result);
+  for (Channel& made : channels_of(channel, range, sums)) {
+    made.delay = mean_delay(shots, channel.name);
+    result.channels.push_back(std::move(made));
+  }
+}
+
 }  // namespace
 
 Record average_shots(std::vector<Record> records, const DetectionOptions& options) {
@@ -338,24 +397,15 @@ Record average_shots(std::vector<Record> records, const DetectionOptions& option
   Record result = first;
   result.channels.clear();
   for (std::string& warning : warnings) result.warnings.push_back(std::move(warning));
-  for (const Channel& channel : first.channels) {
-    std::vector<Reading> readings;
-    for (const Shot& shot : shots)
-      if (auto reading = reading_like(channel, shot)) readings.push_back(std::move(*reading));
-    const IndexRange range =
-        readings.size() == shots.size() ? common_samples(channel, readings) : IndexRange{};
-    if (range.size() == 0) {
-      result.warnings.push_back(
-          fmt::format("Channel '{}' is not in every shot, and so not in the mean.", channel.name));
-      continue;
-    }
-    warn_of_delay_left(shots, channel, readings, result);
-    const Sums sums = sums_of(channel, range, readings);
-    warn_of_fewer(channel.name, shots.size(), sums, result);
-    for (Channel& made : channels_of(channel, range, sums)) {
-      made.delay = mean_delay(shots, channel.name);
-      result.channels.push_back(std::move(made));
-    }
+  for (const std::string& name : names_in(shots)) {
+    const Channel* const channel = channel_of(shots.front(), name);
+    std::string reason = reason_against(name, shots);
+    if (reason.empty())
+      add_mean(*channel, shots, result);
+    else if (channel != nullptr && is_one_value(name, shots, reason))
+      result.channels.push_back(*channel);
+    else
+      warn_of_no_mean(name, reason, result);
   }
   note_shots(shots, result);
   return result;

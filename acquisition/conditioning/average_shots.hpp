@@ -17,9 +17,10 @@ namespace impactrig::acquisition {
 /// off first; of those of one channel the mean has the mean, and the mean of their uncertainties,
 /// since one sensor's do not average out. The mean has the first shot's clock, as far as every shot
 /// reaches and before any shot's second impact, since bounces do not coincide. Channels are taken
-/// by their names; those that not every shot has are left out. For each there is a second channel,
-/// "NAME, standard deviation", over the shots. A sample is the mean of the sound ones, and invalid
-/// where there are fewer than two.
+/// by their names; those that not every shot has, or whose clock is not uniform, are left out with
+/// a warning. Single values stay where they are one in all shots. For each there is a second
+/// channel, "NAME, standard deviation", over the shots. A sample is the mean of the sound ones, and
+/// invalid where there are fewer than two.
 ///
 /// A shot without impact, or whose impact is clipped, hit twice or cut, of the other sign or found
 /// in another quantity, is left out with a warning. Where it has unmarked dropouts they are marked,
@@ -30,7 +31,7 @@ namespace impactrig::acquisition {
 /// named: a delay was left in it. The edits hold files, shifts with their standard uncertainties,
 /// and spreads.
 ///
-/// Throws datasets::InputError when fewer than two shots are left, a clock is not uniform, or units
+/// Throws datasets::InputError when fewer than two shots are left, or units
 /// of one channel cannot be converted, or two channels of a shot have one name; what find_impacts
 /// throws.
 datasets::Record average_shots(std::vector<datasets::Record> shots,

@@ -48,11 +48,17 @@ void refuse_senseless(const DetectionOptions& options) {
           option));
 }
 
+/// A single value among histories is a setting, even where it has been given a clock.
 const Channel* first_of(const Record& record, Quantity quantity) {
-  const auto found = std::ranges::find_if(record.channels, [&](const Channel& channel) {
-    return channel.quantity == quantity && channel.size() > 0;
-  });
-  return found == record.channels.end() ? nullptr : &*found;
+  const auto first = [&](std::size_t least) {
+    const auto found = std::ranges::find_if(record.channels, [&](const Channel& channel) {
+      const bool timeless = channel.size() == 1 && channel.clock.interval == 0.0;
+      return channel.quantity == quantity && channel.size() >= least && !timeless;
+    });
+    return found == record.channels.end() ? nullptr : &*found;
+  };
+  const Channel* const history = first(2);
+  return history != nullptr ? history : first(1);
 }
 
 const Channel& trigger_channel(const Record& record, const DetectionOptions& options) {

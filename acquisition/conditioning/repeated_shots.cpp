@@ -88,8 +88,8 @@ void leave_out_opposite(std::string_view what, const Value& value, std::vector<S
   std::erase_if(shots, [&](const Shot& shot) {
     const bool opposite = value(shot) * sign < 0.0;
     if (opposite)
-      warnings.push_back(fmt::format("{} is not in the mean: its {} has the opposite sign.",
-                                     shot.record->provenance.source_file, what));
+      warnings.push_back(
+          fmt::format("{} is not in the mean: its {} has the opposite sign.", file_of(shot), what));
     return opposite;
   });
 }
@@ -109,16 +109,32 @@ void leave_out_other_triggers(std::vector<Shot>& shots, std::vector<std::string>
     if (trigger.quantity == usual.quantity) return false;
     warnings.push_back(fmt::format(
         "{} is not in the mean: its impact is found in '{}' ({}), that of the others in '{}' ({}).",
-        shot.record->provenance.source_file, trigger.name, name(trigger.quantity), usual.name,
-        name(usual.quantity)));
+        file_of(shot), trigger.name, name(trigger.quantity), usual.name, name(usual.quantity)));
     return true;
   });
 }
 
 }  // namespace
 
+const std::string& file_of(const Shot& shot) {
+  return shot.record->provenance.source_file;
+}
+
+const Channel* channel_of(const Shot& shot, const std::string& name) {
+  const auto& channels = shot.record->channels;
+  const auto found = std::ranges::find(channels, name, &Channel::name);
+  return found == channels.end() ? nullptr : &*found;
+}
+
+std::string listed(const std::vector<std::string>& files) {
+  constexpr std::size_t most = 3;
+  if (files.size() <= most) return fmt::format("{}", fmt::join(files, ", "));
+  return fmt::format("{} and {} more", fmt::join(files.begin(), files.begin() + most, ", "),
+                     files.size() - most);
+}
+
 const Channel& trigger_of(const Shot& shot) {
-  return *std::ranges::find(shot.record->channels, shot.impact.trigger, &Channel::name);
+  return *channel_of(shot, shot.impact.trigger);
 }
 
 double approach_of(const Shot& shot) {

@@ -23,6 +23,14 @@ struct Shot {
   std::optional<double> shift_uncertainty = {};
 };
 
+const std::string& file_of(const Shot& shot);
+
+/// Null where the shot has no such channel.
+const datasets::Channel* channel_of(const Shot& shot, const std::string& name);
+
+/// "a.csv, b.csv", and of more than three the first ones and how many more there are.
+std::string listed(const std::vector<std::string>& files);
+
 /// The channel that its impact was found in.
 const datasets::Channel& trigger_of(const Shot& shot);
 

@@ -339,6 +339,74 @@ TEST(AverageShots, ConvertsUnitsAndLeavesInvalidSamplesOut) {
   EXPECT_THROW(average_shots(std::vector<Record>{shot(0, 0.0), second}), datasets::InputError);
 }
 
+datasets::Channel single(const std::string& name, double value) {
+  return channel_of(name, datasets::Quantity::other, {0.0, 0.0, 1}, {value});
+}
+
+// Settings beside the histories, as MAT-files hold them.
+TEST(AverageShots, KeepsSingleValuesThatAreEqual) {
+  std::vector<Record> shots;
+  for (int k = 0; k < 3; ++k) {
+    shots.push_back(shot(k, 2.0));
+    shots.back().channels.push_back(single("Fs", 1e6));
+    shots.back().channels.push_back(single("number", k));
+    // Of the trigger's quantity, and before it.
+    shots.back().channels.insert(shots.back().channels.begin(), single("largest", 5000.0));
+    shots.back().channels.front().quantity = datasets::Quantity::force;
+    shots.back().channels.front().unit = "N";
+  }
+  const Record mean = average_shots(shots);
+  ASSERT_EQ(mean.channels.size(), 6U);
+  EXPECT_EQ(mean.channels[0].name, "largest");
+  EXPECT_EQ(mean.channels[5].name, "Fs");
+  EXPECT_EQ(mean.channels[5].value(0), 1e6);
+  EXPECT_THAT(mean.warnings,
+              testing::ElementsAre("Channel 'number' is not in the mean: it is a single value a "
+                                   "shot, from 0 to 2."));
+}
+
+TEST(AverageShots, LeavesOutChannelsThatHaveNoMean) {
+  std::vector<Record> shots;
+  for (int k = 0; k < 3; ++k) {
+    shots.push_back(shot(k, 2.0));
+    datasets::Channel uneven =
+        channel_of("Temperature", datasets::Quantity::other, {0.0, 0.1, 3}, {20.0, 20.1, 20.2});
+    uneven.clock.times = {0.0, 0.1, 0.25};
+    datasets::Channel lost = shots.back().channels[1];
+    lost.name = "Lost";
+    if (k == 2) lost.valid.assign(lost.size(), 0);
+    datasets::Channel later = shots.back().channels[1];
+    later.name = "Later";
+    later.clock.start += 1.0 * k;
+    for (datasets::Channel* const channel : {&uneven, &lost, &later})
+      shots.back().channels.push_back(std::move(*channel));
+  }
+  const Record mean = average_shots(shots);
+  EXPECT_EQ(mean.channels.size(), 4U);
+  EXPECT_THAT(
+      mean.warnings,
+      testing::ElementsAre(
+          "Channel 'Temperature' is not in the mean: shot0.csv: channel 'Temperature' is sampled "
+          "at uneven times (steps from 0.1 s to 0.15 s); resample it (step = \"resample\" in a map "
+          "for `impactrig import`), or state the sample rate when importing.",
+          "Channel 'Lost' is not in the mean: it has no sound sample in shot2.csv.",
+          "Channel 'Later' is not in the mean: the shots have no time of it in common."));
+}
+
+// Be it the first shot that lacks it.
+TEST(AverageShots, NamesTheShotsThatLackAChannel) {
+  for (const std::size_t without : {std::size_t{0}, std::size_t{2}}) {
+    std::vector<Record> shots;
+    for (int k = 0; k < 3; ++k) shots.push_back(shot(k, 2.0));
+    shots[without].channels.pop_back();
+    const Record mean = average_shots(shots);
+    EXPECT_EQ(mean.channels.size(), 2U);
+    EXPECT_THAT(mean.warnings,
+                testing::ElementsAre("Channel 'Velocity' is not in the mean: it is not in shot" +
+                                     std::to_string(without) + ".csv."));
+  }
+}
+
 TEST(AverageShots, EndsBeforeASecondImpact) {
   const Sampling at{.start = -1e-3, .interval = 1e-6, .samples = 12000};
   Record bounced = shot(1, 2.0, 1.0, at);
