@@ -295,6 +295,52 @@ void warn_of_delay_left(const std::vector<Shot>& shots, const Channel& channel,
   }
 }
 
+/// A warning without its numbers.
+std::string wording_of(const std::string& warning) {
+  std::string words;
+  for (const char c : warning)
+    if (!(c >= '0' && c <= '9') && c != '.' && c != '-' && c != '+') words += c;
+  return words;
+}
+
+/// What is said of the single shots, once where it is the same of several but for numbers.
+std::vector<std::string> own_warnings(const std::vector<Shot>& shots) {
+  struct Told {
+    std::string words, text;
+    std::vector<std::string> files;
+  };
+
+  std::vector<Told> all;
+  for (const Shot& shot : shots)
+    for (const std::string& warning : shot.record->warnings) {
+      const std::string words = wording_of(warning);
+      auto told = std::ranges::find(all, words, &Told::words);
+      if (told == all.end()) told = all.insert(all.end(), {words, warning, {}});
+      if (told->files.empty() || told->files.back() != file_of(shot))
+        told->files.push_back(file_of(shot));
+    }
+  std::vector<std::string> warnings;
+  for (const Told& told : all) {
+    const std::vector<std::string> others(told.files.begin() + 1, told.files.end());
+    warnings.push_back(fmt::format("{}: {}", told.files.front(), told.text));
+    if (!others.empty()) warnings.back() += fmt::format(" (Likewise {}.)", listed(others));
+  }
+  return warnings;
+}
+
+/// What was done to one shot alone.
+void note_own_edits(const std::vector<Edit>& edits, Edit& shot) {
+  const auto note = [&](const Edit& own, const std::string& key, std::string_view words) {
+    const auto value = own.parameters.find(key);
+    if (value != own.parameters.end())
+      shot.parameters[fmt::format("{} '{}'", words, own.channel)] = value->second;
+  };
+  for (const Edit& own : edits) {
+    if (own.what == "remove delay" || own.what == "align") note(own, "delay", "delay taken off");
+    if (own.what == "repair dropouts") note(own, "samples", "dropouts of");
+  }
+}
+
 void note_shots(const std::vector<Shot>& shots, Record& result) {
   for (std::size_t k = 1; k < shots.size(); ++k) {
     const datasets::Provenance& from = shots[k].record->provenance;
@@ -303,9 +349,7 @@ void note_shots(const std::vector<Shot>& shots, Record& result) {
     edit.parameters["shift uncertainty"] =
         shots[k].shift_uncertainty ? fmt::format("{:.2g} s", *shots[k].shift_uncertainty)
                                    : "not known: by first touch";
-    for (const Edit& own : from.edits)
-      if (own.what == "remove delay")
-        edit.parameters["delay taken off '" + own.channel + "'"] = own.parameters.at("delay");
+    note_own_edits(from.edits, edit);
     result.provenance.edits.push_back(std::move(edit));
   }
   const Likeness peaks = likeness_of(shots, peak_of);
@@ -396,6 +440,7 @@ Record average_shots(std::vector<Record> records, const DetectionOptions& option
   const Record& first = *shots.front().record;
   Record result = first;
   result.channels.clear();
+  result.warnings = own_warnings(shots);
   for (std::string& warning : warnings) result.warnings.push_back(std::move(warning));
   for (const std::string& name : names_in(shots)) {
     const Channel* const channel = channel_of(shots.front(), name);

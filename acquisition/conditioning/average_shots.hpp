@@ -23,13 +23,15 @@ namespace impactrig::acquisition {
 /// invalid where there are fewer than two.
 ///
 /// A shot without impact, or whose impact is clipped, hit twice or cut, of the other sign or found
-/// in another quantity, is left out with a warning. Where it has unmarked dropouts they are marked,
-/// by repair_dropouts of the whole channel, with a warning. When peaks or approach velocities
-/// spread by more than 5 % that is said, with the shot that is furthest from the median: contact is
-/// not linear, so the mean of unlike shots is the shot of no rig. Of three shots or more, one that
-/// shows another channel by more than a sample earlier or later beside the trigger than most is
-/// named: a delay was left in it. The edits hold files, shifts with their standard uncertainties,
-/// and spreads.
+/// in another quantity, is left out with a warning; so is one that was conditioned otherwise than
+/// most, by steps that change samples, since the edits of the mean are the first shot's. What is
+/// said of the single shots stays, with their files. Where it has unmarked dropouts they are
+/// marked, by repair_dropouts of the whole channel, with a warning. When peaks or approach
+/// velocities spread by more than 5 % that is said, with the shot that is furthest from the median:
+/// contact is not linear, so the mean of unlike shots is the shot of no rig. Of three shots or
+/// more, one that shows another channel by more than a sample earlier or later beside the trigger
+/// than most is named: a delay was left in it. The edits hold files, shifts with their standard
+/// uncertainties, and spreads.
 ///
 /// Throws datasets::InputError when fewer than two shots are left, or units
 /// of one channel cannot be converted, or two channels of a shot have one name; what find_impacts

@@ -114,6 +114,80 @@ void leave_out_other_triggers(std::vector<Shot>& shots, std::vector<std::string>
   });
 }
 
+/// Steps that change what a channel's samples mean, and what is asked for in them. Delays and
+/// dropouts are a shot's own.
+struct Step {
+  std::string_view what;
+  std::vector<std::string_view> asked;
+};
+
+const std::vector<Step>& comparable_steps() {
+  static const std::vector<Step> steps{{"remove baseline", {}},
+                                       {"remove drift", {}},
+                                       {"remove decay", {}},
+                                       {"remove hum", {}},
+                                       {"undo low cut", {"frequency"}},
+                                       {"low-pass, zero phase", {"cutoff", "order"}},
+                                       {"resample", {"to"}}};
+  return steps;
+}
+
+/// What was done to a channel: its name, and "low-pass, zero phase (cutoff 4000 Hz, ...)".
+using Done = std::pair<std::string, std::string>;
+
+/// Channel by channel, in their order.
+std::vector<Done> conditioning_of(const Shot& shot) {
+  std::vector<Done> all;
+  for (const datasets::Edit& edit : shot.record->provenance.edits) {
+    const auto step = std::ranges::find(comparable_steps(), edit.what, &Step::what);
+    if (step == comparable_steps().end()) continue;
+    std::vector<std::string> asked;
+    for (const std::string_view key : step->asked)
+      if (const auto value = edit.parameters.find(std::string(key)); value != edit.parameters.end())
+        asked.push_back(fmt::format("{} {}", key, value->second));
+    all.emplace_back(edit.channel, asked.empty()
+                                       ? edit.what
+                                       : fmt::format("{} ({})", edit.what, fmt::join(asked, ", ")));
+  }
+  std::ranges::stable_sort(all, {}, &Done::first);
+  return all;
+}
+
+/// In what a shot differs from the usual ones.
+std::string difference(const std::vector<Done>& own, const std::vector<Done>& usual,
+                       const std::string& usual_file) {
+  const auto [here, there] = std::ranges::mismatch(own, usual);
+  const bool more = here != own.end() && std::ranges::find(usual, *here) == usual.end();
+  if (more || there == usual.end())
+    return fmt::format("'{}' has been through {} in it, and not in {}", here->first, here->second,
+                       usual_file);
+  if (here == own.end() || std::ranges::find(own, *there) == own.end())
+    return fmt::format("'{}' has not been through {} in it, but in {}", there->first, there->second,
+                       usual_file);
+  return fmt::format("'{}' has been through its steps in another order than in {}", there->first,
+                     usual_file);
+}
+
+/// Takes out the shots that were conditioned otherwise than most (than the first, where as many
+/// were either way): a mean of them would be neither, and its edits can tell of one only.
+void leave_out_other_conditioning(std::vector<Shot>& shots, std::vector<std::string>& warnings) {
+  if (shots.empty()) return;
+  std::vector<std::vector<Done>> done;
+  for (const Shot& shot : shots) done.push_back(conditioning_of(shot));
+  const auto usual = std::ranges::max_element(
+      done, {}, [&](const std::vector<Done>& one) { return std::ranges::count(done, one); });
+  const std::string usual_file = file_of(shots[static_cast<std::size_t>(usual - done.begin())]);
+  std::vector<Shot> alike;
+  for (std::size_t k = 0; k < shots.size(); ++k) {
+    if (done[k] == *usual)
+      alike.push_back(std::move(shots[k]));
+    else
+      warnings.push_back(fmt::format("{} is not in the mean: {}.", file_of(shots[k]),
+                                     difference(done[k], *usual, usual_file)));
+  }
+  shots = std::move(alike);
+}
+
 }  // namespace
 
 const std::string& file_of(const Shot& shot) {
@@ -159,6 +233,7 @@ std::vector<Shot> usable_shots(std::span<Record> records, const DetectionOptions
           fmt::format("{} is not in the mean: {}.", record.provenance.source_file, reason));
   }
   leave_out_other_triggers(shots, warnings);
+  leave_out_other_conditioning(shots, warnings);
   leave_out_opposite(
       "peak", [](const Shot& shot) { return shot.impact.peak; }, shots, warnings);
   leave_out_opposite("approach velocity", approach_of, shots, warnings);

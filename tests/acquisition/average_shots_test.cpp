@@ -339,6 +339,68 @@ TEST(AverageShots, ConvertsUnitsAndLeavesInvalidSamplesOut) {
   EXPECT_THROW(average_shots(std::vector<Record>{shot(0, 0.0), second}), datasets::InputError);
 }
 
+datasets::Edit low_passed(const std::string& cutoff) {
+  return {"low-pass, zero phase",
+          "Force",
+          {{"cutoff", cutoff}, {"order", "4, forwards and backwards"}, {"largest departure", "1"}}};
+}
+
+// The edits of the mean are the first shot's, and a fit filters its prediction by them.
+TEST(AverageShots, LeavesOutWhatIsConditionedOtherwise) {
+  for (const std::size_t other : {std::size_t{0}, std::size_t{3}}) {
+    std::vector<Record> shots;
+    for (int k = 0; k < 4; ++k) {
+      shots.push_back(shot(k, 2.0));
+      shots.back().provenance.edits = {low_passed("50000 Hz"), {"map channel", "Force", {}}};
+    }
+    const std::string usual = other == 0 ? "shot1.csv" : "shot0.csv";
+    const std::string file = "shot" + std::to_string(other) + ".csv is not in the mean: 'Force' ";
+    shots[other].provenance.edits.erase(shots[other].provenance.edits.begin());
+    EXPECT_THAT(average_shots(shots).warnings,
+                testing::ElementsAre(file +
+                                     "has not been through low-pass, zero phase (cutoff "
+                                     "50000 Hz, order 4, forwards and backwards) in it, but "
+                                     "in " +
+                                     usual + "."));
+    shots[other].provenance.edits = {low_passed("4000 Hz")};
+    EXPECT_THAT(average_shots(shots).warnings,
+                testing::ElementsAre(file +
+                                     "has been through low-pass, zero phase (cutoff 4000 "
+                                     "Hz, order 4, forwards and backwards) in it, and not "
+                                     "in " +
+                                     usual + "."));
+    shots[other].provenance.edits = {low_passed("50000 Hz"), low_passed("50000 Hz")};
+    EXPECT_EQ(average_shots(shots).channels[0].attributes.at("shots"), "3");
+  }
+  std::vector<Record> two{shot(0, 2.0), shot(1, 2.0)};
+  two[1].provenance.edits = {low_passed("4000 Hz")};
+  EXPECT_THROW(average_shots(two), datasets::InputError);
+}
+
+// A delay is taken off, or a dropout repaired, in the one shot that has it.
+TEST(AverageShots, LetsShotsHaveDelaysAndDropoutsOfTheirOwn) {
+  std::vector<Record> shots{shot(0, 2.0), shot(1, 2.0)};
+  shots[1].provenance.edits = {{"repair dropouts", "Velocity", {{"samples", "5 bridged"}}},
+                               {"align", "Velocity", {{"delay", "2e-06 s"}}}};
+  const Record mean = average_shots(shots);
+  EXPECT_THAT(mean.warnings, testing::IsEmpty());
+  EXPECT_EQ(mean.provenance.edits[0].parameters.at("dropouts of 'Velocity'"), "5 bridged");
+  EXPECT_EQ(mean.provenance.edits[0].parameters.at("delay taken off 'Velocity'"), "2e-06 s");
+}
+
+TEST(AverageShots, KeepsWhatIsSaidOfTheShots) {
+  std::vector<Record> shots;
+  for (int k = 0; k < 6; ++k) {
+    shots.push_back(shot(k, 2.0));
+    shots.back().warnings = {"Resampling takes " + std::to_string(k + 1) + ".5 % off."};
+  }
+  shots[4].warnings.push_back("Its clock was set.");
+  EXPECT_THAT(average_shots(shots).warnings,
+              testing::ElementsAre("shot0.csv: Resampling takes 1.5 % off. (Likewise shot1.csv, "
+                                   "shot2.csv, shot3.csv and 2 more.)",
+                                   "shot4.csv: Its clock was set."));
+}
+
 datasets::Channel single(const std::string& name, double value) {
   return channel_of(name, datasets::Quantity::other, {0.0, 0.0, 1}, {value});
 }
