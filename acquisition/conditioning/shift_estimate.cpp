@@ -39,6 +39,9 @@ using Marks = std::vector<std::uint8_t>;
 const auto reach =
     static_cast<std::ptrdiff_t>(std::ceil(BandLimited::crossings / BandLimited::cutoff));
 
+/// Of a difference that leaves what is near half of the rate.
+constexpr std::ptrdiff_t order = 8;
+
 /// A signal at even steps; beyond the record's ends it stays as it is there, and does not count.
 struct Steps {
   std::vector<double> values;
@@ -80,6 +83,12 @@ std::vector<double> without_line(std::vector<double> values, const Marks& counts
   return values;
 }
 
+/// At steps of one width.
+struct Found {
+  ShiftEstimate estimate;
+  double open = 0.0;  ///< standard uncertainty by what lies beyond half of the rate [s]
+};
+
 /// Reference and signal at the same steps.
 class Comparison {
  public:
@@ -87,7 +96,7 @@ class Comparison {
              double step)
       : step_(step),
         most_lags_(static_cast<std::ptrdiff_t>(std::ceil(range / step)) + 1),
-        margin_(most_lags_ + reach + 1) {
+        margin_(most_lags_ + reach + order + 1) {
     const double first = std::ceil(reference.index(window.begin) - grace);
     const double start = reference.time(first);
     size_ = static_cast<std::ptrdiff_t>(std::floor((window.end - start) / step + grace)) + 1;
@@ -98,7 +107,7 @@ class Comparison {
   }
 
   /// None, and why, where the two have no likeness.
-  std::optional<ShiftEstimate> estimate(double range, std::string& reason) const {
+  std::optional<Found> estimate(double range, std::string& reason) const {
     if (size_ < least_counted) {
       reason = fmt::format("{} samples are too few", size_);
       return std::nullopt;
@@ -162,8 +171,8 @@ class Comparison {
     return counts;
   }
 
-  std::optional<ShiftEstimate> refined(std::ptrdiff_t lag, const Marks& counts, double range,
-                                       std::string& reason) const {
+  std::optional<Found> refined(std::ptrdiff_t lag, const Marks& counts, double range,
+                               std::string& reason) const {
     const std::vector<double> x = without_line(moved(x_, 0.0), counts);
     const double xx = dot(x, x);
     const auto left_over = [&](double part_of_step) {  // of y's square
@@ -183,14 +192,15 @@ class Comparison {
       reason = fmt::format("the best shift is at the edge of +-{:.3g} s", range);
       return std::nullopt;
     }
-    const double error = uncertainty_at(shift, x, counts);
-    if (std::isfinite(error)) return ShiftEstimate{shift * step_, error * step_};
+    const auto [error, open] = uncertainties_at(shift, x, counts);
+    if (std::isfinite(error)) return Found{{shift * step_, error * step_}, open * step_};
     reason = "its noise hides how steep it is";
     return std::nullopt;
   }
 
-  /// In steps.
-  double uncertainty_at(double shift, const std::vector<double>& x, const Marks& counts) const {
+  /// By noise, and by what lies beyond half of the rate, in steps.
+  std::pair<double, double> uncertainties_at(double shift, const std::vector<double>& x,
+                                             const Marks& counts) const {
     std::vector<double> residuals = without_line(moved(y_, shift), counts);
     const double xx = dot(x, x), a = dot(x, residuals) / xx;
     const auto without_x = [&](std::vector<double>&& values) {
@@ -202,12 +212,34 @@ class Comparison {
     const std::vector<double> dx = without_x(slopes(x_, 0.0)), dy = without_x(slopes(y_, shift));
     for (std::size_t i = 0; i < residuals.size(); ++i) residuals[i] -= a * x[i];
     const double steepness = sure_steepness(a, dx, dy);
-    if (!(steepness > 0.0)) return INFINITY;
+    if (!(steepness > 0.0)) return {INFINITY, 0.0};
     const double of_noise = std::max(0.0, dot(dy, dy) - steepness);
     const double freedom = static_cast<double>(std::ranges::count(counts, 1) - unknowns);
     const double variance =
         dot(residuals, residuals) / freedom * correlation_time(residuals, counts);
-    return std::sqrt(variance / steepness * (1.0 + 0.5 * of_noise / steepness));
+    return {std::sqrt(variance / steepness * (1.0 + 0.5 * of_noise / steepness)),
+            std::sqrt(2.0 * near_half_of_rate(shift, a, counts) / steepness)};
+  }
+
+  /// The square of what both have near half of the rate, less two standard errors of what noise
+  /// makes of it. As much lies beyond, at least, and looks like something below.
+  double near_half_of_rate(double shift, double a, const Marks& counts) const {
+    const std::vector<double> x = differences(x_, 0.0, counts), y = differences(y_, shift, counts);
+    const double noise = std::sqrt(dot(x, x) * dot(y, y) / static_cast<double>(size_));
+    return std::max(0.0, a * dot(x, y) - 2.0 * std::abs(a) * noise);
+  }
+
+  /// The eighth differences over 2⁸: sin⁸(π f/f_s) of what has the frequency f.
+  std::vector<double> differences(const Steps& steps, double shift, const Marks& counts) const {
+    std::vector<double> sum(static_cast<std::size_t>(size_), 0.0);
+    double weight = std::pow(0.5, order);
+    for (std::ptrdiff_t k = 0; k <= order; ++k) {
+      const std::vector<double> values = moved(steps, shift + static_cast<double>(k - order / 2));
+      for (std::size_t i = 0; i < sum.size(); ++i)
+        if (counts[i] != 0) sum[i] += weight * values[i];
+      weight *= -static_cast<double>(order - k) / static_cast<double>(k + 1);
+    }
+    return sum;
   }
 
   /// S = a Σ x' y' less two standard errors of what noise makes of it: among several S with noise
@@ -239,16 +271,19 @@ bool sound_at(const Trace& trace, double index) {
 ShiftEstimate estimate_shift(const Trace& reference, const Trace& signal, const TimeSpan& window,
                              double range) {
   const double length = window.end - window.begin;
-  double step = std::max({reference.interval, signal.interval, length / most_steps});
-  std::optional<ShiftEstimate> best;
+  const double interval = std::max(reference.interval, signal.interval);
+  double step = std::max(interval, length / most_steps);
+  const bool thinned = step > interval;
+  std::optional<Found> best;
+  double open = 0.0;
   std::string reason;
-  do {
+  for (bool first = true; first || length >= few_steps * step; first = false, step *= 2.0) {
     const auto found = Comparison(reference, signal, window, range, step).estimate(range, reason);
-    if (found && (!best || found->uncertainty < best->uncertainty)) best = found;
-    step *= 2.0;
-  } while (length >= few_steps * step);
+    if (found && first && !thinned) open = found->open;
+    if (found && (!best || found->estimate.uncertainty < best->estimate.uncertainty)) best = found;
+  }
   if (!best) throw std::invalid_argument(reason);
-  return *best;
+  return {best->estimate.value, std::hypot(best->estimate.uncertainty, open)};
 }
 
 }  // namespace impactrig::acquisition

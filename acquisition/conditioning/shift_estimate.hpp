@@ -28,6 +28,9 @@ struct ShiftEstimate {
 ///
 ///   u² = σ²/S (1 + (Σ y'² − S) / 2 S)
 ///
+/// In quadrature what a sharp edge between two samples leaves open, √(2 H/S): H is the square of
+/// what both have near half of the sample rate, as much of which lies beyond it.
+///
 /// Throws std::invalid_argument when the best shift is at the edge of the range, what is left over
 /// is more than half of what follows, or too few samples count.
 ShiftEstimate estimate_shift(const Trace& reference, const Trace& signal,
