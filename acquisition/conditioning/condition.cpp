@@ -322,6 +322,28 @@ void list_channels_left_out(const Record& record, Record& result) {
     result.provenance.edits.push_back({"leave out channels", "", {{"channels", names}}});
 }
 
+/// A channel that has been aligned to another goes by that one's clock: what comes off this now
+/// comes off both.
+void follow_references(const Record& record, Record& result) {
+  const std::vector<Edit> edits = record.provenance.edits;
+  for (Channel& channel : result.channels)
+    for (const Edit& edit : edits) {
+      if (edit.what != "align" || !was_made_to(edit, channel)) continue;
+      const Channel* const before = record.find(edit.parameters.at("reference"));
+      const auto after = std::ranges::find_if(result.channels, [before](const Channel& other) {
+        return before != nullptr && other.name == before->name;
+      });
+      if (before == nullptr || after == result.channels.end()) continue;
+      if ((before->delay && before->delay->removed) || after->delay->value == 0.0) continue;
+      const datasets::Delay own = channel.delay.value_or(datasets::Delay{});
+      channel.delay.reset();
+      auto follow = remove_known_delay(channel, {after->delay->value, own.uncertainty, false});
+      follow->parameters.emplace("with", before->name);
+      channel.delay->value += own.value;
+      result.provenance.edits.push_back(std::move(*follow));
+    }
+}
+
 }  // namespace
 
 Record condition(const Record& record, const SensorSet& sensors) {
@@ -335,6 +357,7 @@ Record condition(const Record& record, const SensorSet& sensors) {
   const std::vector<Claim> claims = claims_of(record, sensors);
   for (const Claim& claim : claims) result.channels.push_back(conditioned(record, claim, result));
   if (claims.empty()) take_what_is_there(record, result);
+  follow_references(record, result);
   list_channels_left_out(record, result);
   return result;
 }

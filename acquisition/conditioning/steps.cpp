@@ -239,6 +239,10 @@ class Conditioning {
     if (references.front() == index)
       throw std::invalid_argument(
           fmt::format("channel '{}' is to be aligned to itself", channel(index).name));
+    // what is known and not taken off yet would come off one of the two later
+    for (const std::size_t either : {references.front(), index})
+      if (channel(either).delay)
+        if (auto edit = remove_known_delay(channel(either))) note(std::move(*edit));
     const Channel& reference = channel(references.front());
     const Impact impact =
         first_impact("by which channels could be aligned; choose another --trigger or --threshold");

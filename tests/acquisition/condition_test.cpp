@@ -151,6 +151,24 @@ TEST(Condition, TakesTheRecordingsOwnDelayWhenTheSensorStatesNone) {
   EXPECT_DOUBLE_EQ(result.channels[0].clock.start, -1e-3 - 5e-6);
 }
 
+// A velocity that was aligned to the force's clock is as late as that is.
+TEST(Condition, TakesADelayOffWhatWasAlignedToItsChannelToo) {
+  Record record = record_of(
+      {channel_in("F", Quantity::force, "N"), channel_in("v", Quantity::velocity, "m/s")});
+  const double start = record.channels[0].clock.start;
+  record.channels[1].delay = datasets::Delay{5e-6, 1e-7, true};
+  record.provenance.edits = {{"align", "v", {{"reference", "F"}, {"delay", "5e-06 s"}}}};
+  SensorSet sensors{.force = sensor_of(Quantity::force), .velocity = sensor_of(Quantity::velocity)};
+  sensors.force->delay = {2e-6, 3e-7, false};
+  sensors.velocity->delay = {4e-7, 1e-7, false};
+  const Record result = condition(record, sensors);
+  for (const Channel& channel : result.channels)
+    EXPECT_NEAR(channel.clock.start, start - 2e-6, 1e-15) << channel.name;
+  EXPECT_DOUBLE_EQ(result.channels[1].delay->value, 7e-6);
+  EXPECT_DOUBLE_EQ(result.channels[1].delay->uncertainty, 1e-7);
+  EXPECT_EQ(result.provenance.edits.back().parameters.at("with"), "F");
+}
+
 TEST(Condition, TellsOfAPolarityThatTwoPlacesState) {
   Record record = record_of(
       {channel_in("F", Quantity::force, "N"), channel_in("v", Quantity::velocity, "m/s")});

@@ -308,6 +308,20 @@ TEST(ApplySteps, AlignLeavesKnownFiltersIn) {
   }
 }
 
+// The force's clock is 40 us late, the velocity's 0.4 us: both are right afterwards.
+TEST(ApplySteps, AlignTakesKnownDelaysOffBoth) {
+  Record record = shot();
+  record.channels[0].clock.start += 40e-6;
+  record.channels[0].delay = datasets::Delay{40e-6, 0.3e-6, false};
+  record.channels[1].clock.start += 0.4e-6;
+  record.channels[1].delay = datasets::Delay{0.4e-6, 0.1e-6, false};
+  apply_steps(std::vector<ConditioningStep>{{"velocity", datasets::AlignTo{"force", 50e-6}}},
+              record);
+  EXPECT_NEAR(record.channels[0].clock.start, -1e-3, 1e-12);
+  EXPECT_NEAR(record.channels[1].clock.start, -1e-3, 3.0 * record.channels[1].delay->uncertainty);
+  for (const datasets::Channel& channel : record.channels) EXPECT_TRUE(channel.delay->removed);
+}
+
 std::string refusal(const ConditioningStep& step, Record record = shot()) {
   try {
     apply_steps(std::vector<ConditioningStep>{{"force", datasets::RemoveBaseline{}}, step}, record);
