@@ -14,7 +14,7 @@ namespace impactrig::models {
 std::vector<BarElement> elements_of_shapes(const Beam& beam, int count) {
   if (!beam.shears() && beam.segments.empty()) return {};
   const int pieces = static_cast<int>(bar_pieces(beam).size());
-  return bar_elements(beam, beam.length, {std::max(32 + 4 * count, 4 * pieces), 0});
+  return bar_elements(beam, beam.length, {std::max(64 + 8 * count, 8 * pieces), 0});
 }
 
 AssumedModes::AssumedModes(const Beam& beam, Basis basis, int count)

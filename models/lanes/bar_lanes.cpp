@@ -8,7 +8,9 @@ namespace impactrig::models {
 
 int bar_work(const BarForms& bar) {
   constexpr int most_lanes = 8;
-  return most_lanes * (1 + bar.elements * (bar.numbers() - 3 + 2 * bar.values - 2));
+  const int step = bar.numbers() - 3 + 2 * bar.values - 2;
+  const int rest = 2 * bar.values - 2;
+  return most_lanes * (1 + bar.elements * (step + rest));
 }
 
 void count_modes_below(const BarShifts& shifts) {

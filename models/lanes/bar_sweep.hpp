@@ -25,8 +25,16 @@ class BarSweep {
     Real load[V];
   };
 
+  /// What a first solution keeps, and leaves of an element's loads.
+  struct Rest {
+    Real own[V - 2], load[V];
+  };
+
   /// `work`: from bar_work(); none where nothing is loaded.
-  BarSweep(const BarForms& bar, double* work) : bar_(bar), steps_(aligned(work)) {}
+  BarSweep(const BarForms& bar, double* work)
+      : bar_(bar),
+        steps_(aligned(work)),
+        rests_(reinterpret_cast<Rest*>(steps_ + bar.elements)) {}
 
   /// Eliminates all but the hinge's rotation; tells how many pivots are negative.
   template <bool Loaded>
@@ -51,7 +59,8 @@ class BarSweep {
       a[8] += tail[1];
       a[9] += tail[2];
       if constexpr (Loaded) {
-        for (int i = 0; i < V; ++i) f[i] = scale * steps_[e].load[i];
+        const Real* const load = corrected_ ? rests_[e].load : steps_[e].load;
+        for (int i = 0; i < V; ++i) f[i] = scale * load[i];
         f[0] += pull[0];
         f[1] += l * pull[0] + pull[1];
         f[2] += pull[0];
@@ -87,20 +96,51 @@ class BarSweep {
     return below + (pivot < 0.0 ? M::all(1.0) : Real{});
   }
 
+  /// After eliminate<true>(): by what the solution leaves of the loads, where `mask` is one, it is
+  /// mended [Higham2002, 12.1]. A part of the bar from the tip on that vibrates as fast by itself,
+  /// clamped, as the shift says costs elimination as many digits as the two agree to.
+  void correct(Real shift, Real scale, Real mask) {
+    Real left[2] = {Real{}, turn_};
+    for (int e = 0; e < bar_.elements; ++e) {
+      Rest& rest = rests_[e];
+      Real x[V];
+      find_values(steps_[e], left, x);
+      for (int i = 0; i < V; ++i) {
+        rest.load[i] = scale * steps_[e].load[i];
+        for (int j = 0; j < V; ++j) {
+          const int at = e * numbers + (i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i);
+          rest.load[i] -= (bar_.stiffness[at] - shift * bar_.mass[at]) * x[j];
+        }
+      }
+      if (e == 0) rest.load[1] -= bar_.spring * turn_;
+      for (Real& left_over : rest.load) left_over *= mask;
+      for (int i = 2; i < V; ++i) rest.own[i - 2] = x[i];
+      pass(e, x, left);
+    }
+    first_turn_ = turn_;
+    corrected_ = true;
+    eliminate<true>(shift, M::all(1.0));
+  }
+
   /// What the bar does under its loads; what it takes from them and its mass. Its inertia is the
   /// next load.
   void give_way(Real& taken, Real& weight) {
     taken = weight = Real{};
+    if (corrected_) add_corrections();
     Real left[2] = {Real{}, turn_};
     for (int e = 0; e < bar_.elements; ++e) {
       Step& step = steps_[e];
-      Real x[V];
-      find_values(step, left, x);
+      Real x[V] = {left[0], left[1]};
+      if (corrected_)
+        for (int i = 2; i < V; ++i) x[i] = step.own[i - 2];
+      else
+        find_values(step, left, x);
       for (int i = 0; i < V; ++i) taken += x[i] * step.load[i];
       weight += find_inertia(e, x, step.load);
       for (int i = 2; i < V; ++i) step.own[i - 2] = x[i];
       pass(e, x, left);
     }
+    corrected_ = false;
   }
 
   /// The inertia of a bending wave of ω² as the load, of a rigid rotation where that is next to
@@ -185,6 +225,17 @@ class BarSweep {
     return sum;
   }
 
+  void add_corrections() {
+    Real left[2] = {Real{}, turn_};
+    for (int e = 0; e < bar_.elements; ++e) {
+      Real x[V];
+      find_values(steps_[e], left, x);
+      for (int i = 2; i < V; ++i) steps_[e].own[i - 2] = rests_[e].own[i - 2] + x[i];
+      pass(e, x, left);
+    }
+    turn_ += first_turn_;
+  }
+
   void find_values(const Step& step, const Real* left, Real* x) const {
     x[0] = left[0];
     x[1] = left[1];
@@ -202,7 +253,9 @@ class BarSweep {
 
   const BarForms& bar_;
   Step* steps_;
-  Real turn_ = Real{};
+  Rest* rests_;
+  Real turn_ = Real{}, first_turn_ = Real{};
+  bool corrected_ = false;
 };
 
 template <int N, int V>
@@ -248,13 +301,13 @@ class ModesBetween {
   void find(const LaneChunk<N>& chunk) {
     const Real index = load(chunk, modes_.index), start = load(chunk, modes_.start);
     const Real above = load(chunk, modes_.above), below = load(chunk, modes_.below);
-    Real low = above, high = below, shift = start, done = Real{};
+    Real low = above, high = below, shift = start, next = start, done = Real{};
     Real scale = sweep_.wave(start);
     for (int pass = 0; pass < most_passes; ++pass) {
       const Real slower = sweep_.template eliminate<true>(shift, scale);
       Real taken, weight;
       sweep_.give_way(taken, weight);
-      const Real next = shift + scale * taken / weight;
+      next = shift + scale * taken / weight;
       scale = 1.0 / M::root(weight);
       // the slowest has none below, and may be zero
       const Real room = index > 0.0 ? M::smaller(next - above, below - next) : below - next;
@@ -267,11 +320,34 @@ class ModesBetween {
       const Real other = inside ? next : 0.5 * (low + high);
       shift = done > 0.0 ? shift : other;
     }
+    if (M::any(done < 1.0)) stay_apart(above, below, shift, next, scale, done);
     Real stiffness, mass;
     sweep_.measure(stiffness, mass);
     chunk.store(stiffness / mass, modes_.square);
     chunk.store(done, modes_.converged);
     sweep_.write(chunk, 1.0 / M::root(mass), modes_.stride, modes_.turn, modes_.shape);
+  }
+
+  /// Where rounding keeps the shift from coming near, a shift apart from it will do: each pass
+  /// still leaves but a part `apart` of what is not the mode.
+  void stay_apart(Real above, Real below, Real shift, Real next, Real scale, Real& done) {
+    constexpr double apart = 1e-6;
+    constexpr int passes = 5;
+    const Real sought = 1.0 - done;
+    shift = done > 0.0 ? shift : next * (1.0 - apart);
+    Real change = Real{};
+    for (int pass = 0; pass < passes; ++pass) {
+      sweep_.template eliminate<true>(shift, scale);
+      sweep_.correct(shift, scale, sought);
+      Real taken, weight;
+      sweep_.give_way(taken, weight);
+      change = M::magnitude(shift + scale * taken / weight - next);
+      next = shift + scale * taken / weight;
+      scale = 1.0 / M::root(weight);
+    }
+    const typename M::Mask found =
+        (above < next) & (next < below) & (change <= rounding * M::magnitude(next));
+    done = found ? M::all(1.0) : done;
   }
 
   const BarModesBetween& modes_;
