@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "models/contact/elastic_law.hpp"
+
 namespace impactrig::fitting {
 namespace {
 
@@ -319,6 +321,17 @@ ParameterKey parameter_key(std::string_view name) {
   const auto [stop, error] = std::from_chars(name.data() + bracket + 1, end, number);
   if (error != std::errc{} || stop != end || number < 1) return whole;
   return {std::string(name.substr(0, bracket)), number};
+}
+
+std::string unit_in(const models::Rig& rig, const PhysicalParameter& parameter) {
+  models::Rig copy = rig;
+  const double* const number = &parameter.of(copy);
+  for (int stop = 0; stop < rig.stops(); ++stop) {
+    const models::Contact& contact = copy.contact_of(stop);
+    if (number == &contact.stiffness && models::elastic_law_entry(contact.law).text.needs.power)
+      return fmt::format("N/m^{:g}", contact.power);
+  }
+  return std::string(parameter.unit);
 }
 
 std::string unit_of(std::string_view numbered) {

@@ -21,6 +21,9 @@ struct PhysicalParameter {
   bool of_full_motion_only = false;  ///< small motion knows nothing of it
 };
 
+/// Its SI unit in a rig, where that of a power law's stiffness depends on the power: "N/m^1.5".
+std::string unit_in(const models::Rig& rig, const PhysicalParameter& parameter);
+
 /// A number of a sensor's chain that a fit may free, by its key under sensors.CHANNEL; a band limit
 /// by its frequency, whatever its order.
 struct ChainParameter {

@@ -150,7 +150,7 @@ std::vector<SensitivityParameter> numbers_of(const RigFile& file) {
   for (const PhysicalParameter& parameter : numbers_of_rigs())
     if (has(file.rig, parameter))
       all.push_back({std::string(parameter.name),
-                     std::string(parameter.unit),
+                     unit_in(rig, parameter),
                      parameter.of(rig),
                      {{parameter.of, 1.0}}});
   for_each_section(file, [&](int segment, const Section<>& section) {

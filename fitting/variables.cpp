@@ -44,7 +44,7 @@ Variable physics_variable(const PhysicalParameter& parameter, const RigFile& rig
   v.physics = &parameter;
   v.recording = recording;
   v.name = parameter.name;
-  v.unit = parameter.unit;
+  v.unit = unit_in(copy, parameter);
   v.initial = parameter.of(copy);
   if (parameter.name == "start.velocity" && recording >= 0) {
     const double seen = impacts[static_cast<std::size_t>(recording)].approach_velocity;

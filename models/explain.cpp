@@ -65,7 +65,9 @@ std::string_view name(Simplification what) {
 }
 
 std::vector<Explanation> explain(const Rig& rig, const Solver& solver,
-                                 const SimulationOptions& options, double time_limit) {
+                                 const SimulationOptions& asked, double time_limit) {
+  SimulationOptions options = asked;
+  options.sensitivities.clear();  // of the full equations they take far longer than the run
   const TimedRun run = timed(rig, solver, options);
   std::vector<Explanation> explanations;
   for (std::size_t i = 0; i < run.simulation.taken.size(); ++i) {
@@ -78,7 +80,7 @@ std::vector<Explanation> explain(const Rig& rig, const Solver& solver,
     // steps of wide flights are no small motion, but it is the flights that are to be compared
     if (explanation.what == Simplification::flight_at_once) kept.motion = Motion::small;
     Solver limited = solver;
-    limited.time_limit = time_limit;
+    limited.time_limit = std::min(time_limit, solver.time_limit);
     try {
       const TimedRun without = timed(rig, limited, kept);
       explanation.seconds_without = without.seconds;

@@ -14,8 +14,8 @@ namespace impactrig::models {
 std::vector<BarElement> elements_of_shapes(const Beam& beam, int count);
 
 /// The bending shapes of hybrid coordinates, without further masses, of unit modal mass: closed
-/// forms for a uniform Euler-Bernoulli bar, for any other those of a mesh of 32 + 4n elements,
-/// which has the frequency of the last of n modes to some 1e-4 and the lower ones with the fourth
+/// forms for a uniform Euler-Bernoulli bar, for any other those of a mesh of 64 + 8n elements,
+/// which has the frequency of the last of n modes to some 1e-5 and the lower ones with the fourth
 /// power of their number better.
 class AssumedModes {
  public:

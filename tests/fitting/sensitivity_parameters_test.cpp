@@ -147,6 +147,7 @@ TEST(SensitivityParameters, OfAFurtherStopHoldThePowerOfItsStiffness) {
                                      "law = \"lankarani-nikravesh-cylinder\"\n"
                                      "stiffness = \"1.6e10 N/m^1.5\"\n"),
                      "rig.toml");
+  EXPECT_EQ(named(file, "contacts.1.stiffness").unit, "N/m^1.5");
   const SensitivityParameter power = named(file, "contacts.1.power");
   EXPECT_EQ(power.value, 1.5);
   models::Rig rig = file.rig;
