@@ -401,6 +401,7 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
   }
 
   const double before = options.pre_trigger.value_or(usual_pre_trigger(sources));
+  constexpr double least_shown = 8.0;  // samples from touch on
   const bool exchanged = swapped(sources, options);
   const std::vector<datasets::TimeSpan> clipped = noted_clipped(record);
   std::vector<Impact> impacts;
@@ -408,7 +409,8 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double start = trigger.trace.time(contacts[i].onset);
     window.begin = std::max(start - before, window.floor);
-    window.end = start + options.post_trigger;
+    // times may be in another unit than stated: who judges them needs to see something
+    window.end = start + std::max(options.post_trigger, least_shown * trigger.trace.interval);
     if (i + 1 < contacts.size())
       window.end = std::min(window.end, trigger.trace.time(contacts[i + 1].onset - 1.0));
     impacts.push_back(impact_of(contacts[i], trigger, sources, window, options));

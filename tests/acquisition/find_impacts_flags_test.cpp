@@ -223,6 +223,32 @@ TEST(TooShortFlag, SaysAtWhichEnd) {
   EXPECT_FALSE(whole.has(ImpactFlag::missed_start) || whole.has(ImpactFlag::truncated_tail));
 }
 
+// What is on the crest is no rest, and that it falls to one no rail.
+TEST(MissedStartFlag, FiresWhereTheRecordBeginsAtTheCrest) {
+  for (double part = 0.36; part < 0.5; part += 0.01) {
+    SCOPED_TRACE(part);
+    const Sampling at{.start = part * duration, .interval = 1e-6, .samples = 3000};
+    constexpr double noise = 5.0;
+    const Impact impact = impact_in(
+        sampled(at,
+                [](double t) {
+                  return t < duration ? 1000.0 * std::pow(std::sin(pi * t / duration), 2) : 0.0;
+                }),
+        at, noise);
+    EXPECT_TRUE(impact.has(ImpactFlag::missed_start));
+    EXPECT_FALSE(impact.has(ImpactFlag::inverted));
+    EXPECT_NEAR(impact.peak, 1000.0, 4.0 * noise);
+  }
+}
+
+// Microseconds taken for seconds: no sample lies within milliseconds of touch.
+TEST(FindImpacts, ShowsSamplesOfAContactWhoseTimesAreInAnotherUnit) {
+  const Sampling at{.start = -500.0, .interval = 1.0, .samples = 4000};
+  const Impact impact = impact_in(sampled(at, [](double t) { return pulse(1e-6 * t); }), at);
+  ASSERT_TRUE(impact.force);
+  EXPECT_GE(impact.force->values.size(), 8U);
+}
+
 // --- noisy --------------------------------------------------------------------------------------
 
 TEST(NoisyFlag, FiresAboveTwoPercent) {
