@@ -47,6 +47,31 @@ HumFit significant_part(const HumPoints& points, double frequency, int harmonics
   }
 }
 
+/// Quiet samples and the mains in them, whichever of the world's two explains them better where
+/// none is stated.
+struct Mains {
+  QuietHum quiet;
+  bool told = true;  ///< clearly, or by its frequency
+};
+
+Mains find_mains(const Channel& channel, const RemoveHum& hum, std::span<const double> values) {
+  constexpr double other_mains = 60.0;  // [Hz]
+  constexpr double clearly = 1.2;       // times the variance left over
+  Mains mains{find_quiet_hum(channel, hum, values)};
+  if (hum.frequency) return mains;
+  RemoveHum other = hum;
+  other.frequency = other_mains;
+  QuietHum others = find_quiet_hum(channel, other, values);
+  const auto left_over = [&hum](const QuietHum& quiet) {
+    return significant_part(quiet.points, quiet.frequency, hum.harmonics).variance;
+  };
+  const double own = left_over(mains.quiet), of_others = left_over(others);
+  mains.told =
+      mains.quiet.from_data || std::max(own, of_others) > clearly * std::min(own, of_others);
+  if (of_others < own) mains.quiet = std::move(others);
+  return mains;
+}
+
 /// What an error of the frequency makes of the hum per second from the middle of the points
 /// [unit/s]. From the data that error is √6 s / (pi A T √n) [RifeBoorstyn1974], else the grid's.
 double drift_of(const HumPoints& quiet, const HumFit& fit, bool frequency_from_data) {
@@ -87,7 +112,8 @@ Edit remove_hum(Channel& channel, const RemoveHum& hum, const datasets::RemoveDe
     for (std::size_t i = 0; i < values.size(); ++i)
       without_decay[i] -= fitted.at(channel.clock.time(i));
   }
-  const QuietHum found = find_quiet_hum(channel, hum, without_decay);
+  const Mains mains = find_mains(channel, hum, without_decay);
+  const QuietHum& found = mains.quiet;
   const HumPoints& quiet_points = found.points;
   const double frequency = found.frequency;
   const bool from_data = found.from_data;
@@ -113,7 +139,12 @@ Edit remove_hum(Channel& channel, const RemoveHum& hum, const datasets::RemoveDe
         "an amplitude of {} {}, uncertain by up to {}; record at least a period of the "
         "mains before the trigger, or leave this step out",
         channel.name, datasets::figures(amplitude, 3), channel.unit, datasets::figures(error, 3)));
-  edit.parameters["frequency"] = fmt::format("{:.6g} Hz{}", frequency, from_data ? "" : ", stated");
+  edit.parameters["frequency"] =
+      fmt::format("{:.6g} Hz{}", frequency,
+                  from_data       ? ""
+                  : hum.frequency ? ", stated"
+                  : mains.told    ? ", the likelier of 50 and 60 Hz"
+                                  : ", of 50 and 60 Hz as likely as the other");
   edit.parameters["uncertainty"] =
       fmt::format("{} {} at most", datasets::figures(error, 2), channel.unit);
   channel.valid = sound_marks(channel);

@@ -220,10 +220,17 @@ class Conditioning {
     const auto decay = to_come<datasets::RemoveDecay>(index);
     Edit edit = remove_hum(channel(index), action, decay ? &*decay : nullptr);
     if (edit.parameters.contains("found"))
+      record_.warnings.push_back(
+          fmt::format("No hum near {} Hz stands out of the quiet samples of '{}' ({}), so none was "
+                      "taken off; an impact among them would hide it.",
+                      action.frequency ? fmt::format("{:g}", *action.frequency) : "50 or 60",
+                      channel(index).name, edit.parameters.at("quiet")));
+    const auto frequency = edit.parameters.find("frequency");
+    if (frequency != edit.parameters.end() && frequency->second.ends_with("as the other"))
       record_.warnings.push_back(fmt::format(
-          "No hum near {:g} Hz stands out of the quiet samples of '{}' ({}), so none was "
-          "taken off; an impact among them would hide it.",
-          action.frequency.value_or(50.0), channel(index).name, edit.parameters.at("quiet")));
+          "The quiet samples of '{}' are too short to tell hum of 50 Hz from one of 60 Hz; state "
+          "frequency in the step.",
+          channel(index).name));
     note(std::move(edit));
   }
 

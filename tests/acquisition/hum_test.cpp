@@ -57,6 +57,33 @@ TEST(RemoveHum, FindsFrequencyAmplitudesAndPhases) {
   }
 }
 
+// Of a period or more: which of the two it is tells what is left over.
+TEST(RemoveHum, FindsWhichMainsThereAreWhereNoneAreStated) {
+  for (const double frequency : {50.0, 60.0})
+    for (const double quiet : {0.02, 0.03, 0.05, 0.1, 0.4}) {
+      SCOPED_TRACE(quiet);
+      const Sampling at{.start = -quiet,
+                        .interval = 50e-6,
+                        .samples = static_cast<std::size_t>(20e3 * (quiet + 0.02))};
+      auto values = sampled(at, [&](double t) { return pulse_at(t) + hum_at(t, frequency); });
+      add_noise(values, 0.02, 3);
+      Channel force = force_of(at, values);
+      const auto edit = remove_hum(force, RemoveHum{.quiet = {TimeSpan{-quiet, -1e-3}}});
+      EXPECT_NEAR(std::stod(edit.parameters.at("frequency")), frequency, 0.1);
+      EXPECT_LT(largest_error(force, sampled(at, pulse_at)), 0.3);  // of 3.9
+    }
+}
+
+TEST(RemoveHum, SaysWhereItIsAsLikelyOfTheOtherMains) {
+  const Sampling at{.start = -0.02, .interval = 50e-6, .samples = 800};
+  auto values =
+      sampled(at, [](double t) { return pulse_at(t) + 3.0 * std::sin(2.0 * pi * 60.0 * t + 1.0); });
+  add_noise(values, 0.3, 3);
+  Channel force = force_of(at, values);
+  const auto edit = remove_hum(force, RemoveHum{.quiet = {TimeSpan{-0.02, -1e-3}}});
+  EXPECT_TRUE(edit.parameters.at("frequency").ends_with("of 50 and 60 Hz as likely as the other"));
+}
+
 /// 40 s before the trigger and 0.5 s after it.
 constexpr Sampling very_long_record{.start = -40.0, .interval = 500e-6, .samples = 81000};
 
