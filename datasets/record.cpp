@@ -124,4 +124,21 @@ bool was_made_to(const Edit& edit, const Channel& channel) {
   return edit.channel == channel.name && is_of_file_of(edit, channel);
 }
 
+std::vector<const Edit*> edits_of(const Record& record, const Channel& channel) {
+  std::vector<const Edit*> all;
+  std::string name = channel.name;
+  for (auto edit = record.provenance.edits.rbegin(); edit != record.provenance.edits.rend();
+       ++edit) {
+    if (!is_of_file_of(*edit, channel)) continue;
+    const auto made = edit->parameters.find("result");
+    if (made != edit->parameters.end() && made->second == name) name = edit->channel;
+    if (edit->channel != name) continue;
+    all.push_back(&*edit);
+    const auto old = edit->parameters.find("name in file");
+    if (edit->what == "map channel" && old != edit->parameters.end()) name = old->second;
+  }
+  std::ranges::reverse(all);
+  return all;
+}
+
 }  // namespace impactrig::datasets

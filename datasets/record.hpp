@@ -130,4 +130,8 @@ std::string sha256_of_file(const std::string& path);
 std::string sha256_of_files(std::span<const std::string> paths);
 std::string sha256_of(std::string_view bytes);
 
+/// What a channel has been through, or the channel that it was made of, whatever these were called
+/// then; in order.
+std::vector<const Edit*> edits_of(const Record& record, const Channel& channel);
+
 }  // namespace impactrig::datasets

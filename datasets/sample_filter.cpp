@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <ranges>
 #include <string>
 #include <utility>
 
@@ -86,14 +87,9 @@ GridSamples SampleFilter::of(GridSamples samples) const {
 
 std::optional<std::vector<SampleFilter>> filters_of(const Record& record, const Channel& channel) {
   std::vector<SampleFilter> filters;
-  std::string name = channel.name;
   double interval = channel.clock.interval;
-  for (auto edit = record.provenance.edits.rbegin(); edit != record.provenance.edits.rend();
-       ++edit) {
-    if (!is_of_file_of(*edit, channel)) continue;
-    const auto made = edit->parameters.find("result");
-    if (made != edit->parameters.end() && made->second == name) name = edit->channel;
-    if (edit->channel != name) continue;
+  const std::vector<const Edit*> edits = edits_of(record, channel);
+  for (const Edit* const edit : std::views::reverse(edits)) {
     if (edit->what == "low-pass, zero phase") {
       const auto action = low_pass_of(*edit, interval);
       if (!action) return std::nullopt;
@@ -105,9 +101,6 @@ std::optional<std::vector<SampleFilter>> filters_of(const Record& record, const 
       interval = 1.0 / *from;
       if (std::abs(*to / *from - 1.0) < same_rate) continue;  // left as they were
       filters.push_back({Resample{*to}, interval});
-    } else if (const auto old = edit->parameters.find("name in file");
-               edit->what == "map channel" && old != edit->parameters.end()) {
-      name = old->second;
     }
   }
   std::ranges::reverse(filters);

@@ -163,8 +163,8 @@ bool PulseSearch::is_level(std::size_t end) const {
 
 /// Whether a record that leaves its first level before sample `crossing` ends at its extreme,
 /// level, for longer than it has taken to get there: an amplifier that does not come back from its
-/// limit. One that has hardly been at its first level for longer than that begins within a contact,
-/// and ends at rest.
+/// limit. One that ends nearer zero, and has hardly been at its first level for longer than that,
+/// begins within a contact and ends at rest.
 bool PulseSearch::ends_on_rail(const Trigger& begin, std::size_t crossing) const {
   constexpr double much = 20.0, near_extreme = 0.95, within = 6.0;
   const std::size_t n = y_.size(), last = std::max(least_quiet, (n - crossing) / 4);
@@ -178,7 +178,8 @@ bool PulseSearch::ends_on_rail(const Trigger& begin, std::size_t crossing) const
   std::size_t from = n;
   while (from > crossing && std::abs(y_[from - 1] - rail.centre) <= within * sigma) --from;
   const std::size_t way = std::max(least_quiet, from - crossing);
-  return n - from >= way && 2 * crossing >= 3 * way;
+  const bool begins_nearer_zero = std::abs(begin.level) < std::abs(rail.centre);
+  return n - from >= way && (begins_nearer_zero || 2 * crossing >= 3 * way);
 }
 
 /// Whether a record rests at its end where it begins.

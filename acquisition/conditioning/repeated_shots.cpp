@@ -135,19 +135,27 @@ const std::vector<Step>& comparable_steps() {
 /// What was done to a channel: its name, and "low-pass, zero phase (cutoff 4000 Hz, ...)".
 using Done = std::pair<std::string, std::string>;
 
-/// Channel by channel, in their order.
-std::vector<Done> conditioning_of(const Shot& shot) {
+/// "low-pass, zero phase (cutoff 4000 Hz, ...)"; none of what may differ.
+std::optional<std::string> comparable(const datasets::Edit& edit) {
+  const auto step = std::ranges::find(comparable_steps(), edit.what, &Step::what);
+  if (step == comparable_steps().end()) return std::nullopt;
+  std::vector<std::string> asked;
+  for (const std::string_view key : step->asked)
+    if (const auto value = edit.parameters.find(std::string(key)); value != edit.parameters.end())
+      asked.push_back(fmt::format("{} {}", key, value->second));
+  return asked.empty() ? edit.what : fmt::format("{} ({})", edit.what, fmt::join(asked, ", "));
+}
+
+/// Of the channels that every shot has, one after the other.
+std::vector<Done> conditioning_of(const Shot& shot, const std::vector<Shot>& shots) {
   std::vector<Done> all;
-  for (const datasets::Edit& edit : shot.record->provenance.edits) {
-    const auto step = std::ranges::find(comparable_steps(), edit.what, &Step::what);
-    if (step == comparable_steps().end()) continue;
-    std::vector<std::string> asked;
-    for (const std::string_view key : step->asked)
-      if (const auto value = edit.parameters.find(std::string(key)); value != edit.parameters.end())
-        asked.push_back(fmt::format("{} {}", key, value->second));
-    all.emplace_back(edit.channel, asked.empty()
-                                       ? edit.what
-                                       : fmt::format("{} ({})", edit.what, fmt::join(asked, ", ")));
+  for (const Channel& channel : shot.record->channels) {
+    const bool common = std::ranges::all_of(shots, [&channel](const Shot& other) {
+      return channel_of(other, channel.name) != nullptr;
+    });
+    if (!common) continue;
+    for (const datasets::Edit* const edit : datasets::edits_of(*shot.record, channel))
+      if (auto done = comparable(*edit)) all.emplace_back(channel.name, *std::move(done));
   }
   std::ranges::stable_sort(all, {}, &Done::first);
   return all;
@@ -173,7 +181,7 @@ std::string difference(const std::vector<Done>& own, const std::vector<Done>& us
 void leave_out_other_conditioning(std::vector<Shot>& shots, std::vector<std::string>& warnings) {
   if (shots.empty()) return;
   std::vector<std::vector<Done>> done;
-  for (const Shot& shot : shots) done.push_back(conditioning_of(shot));
+  for (const Shot& shot : shots) done.push_back(conditioning_of(shot, shots));
   const auto usual = std::ranges::max_element(
       done, {}, [&](const std::vector<Done>& one) { return std::ranges::count(done, one); });
   const std::string usual_file = file_of(shots[static_cast<std::size_t>(usual - done.begin())]);

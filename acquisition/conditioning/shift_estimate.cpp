@@ -83,6 +83,35 @@ std::vector<double> without_line(std::vector<double> values, const Marks& counts
   return values;
 }
 
+/// Σ v, Σ k v and Σ v² of any stretch, k from its begin; of the values less their mean, so that
+/// little is lost in differences.
+class Sums {
+ public:
+  struct Part {
+    double sum, ramp, square;
+  };
+
+  explicit Sums(const std::vector<double>& values) : upto_{{0.0, 0.0, 0.0}} {
+    const double mean = std::accumulate(values.begin(), values.end(), 0.0) /
+                        static_cast<double>(std::max<std::size_t>(values.size(), 1));
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double value = values[k] - mean;
+      const Part& last = upto_.back();
+      upto_.push_back({last.sum + value, last.ramp + static_cast<double>(k) * value,
+                       last.square + value * value});
+    }
+  }
+
+  Part over(std::size_t begin, std::size_t end) const {
+    const Part &from = upto_[begin], &to = upto_[end];
+    const double sum = to.sum - from.sum;
+    return {sum, to.ramp - from.ramp - static_cast<double>(begin) * sum, to.square - from.square};
+  }
+
+ private:
+  std::vector<Part> upto_;
+};
+
 /// At steps of one width.
 struct Found {
   ShiftEstimate estimate;
@@ -145,15 +174,23 @@ class Comparison {
     return values;
   }
 
-  /// In whole steps, where the two are most alike.
+  /// In whole steps, where the two are most alike, a line taken off each: of x once, and of y's
+  /// square by sums that know every lag's.
   std::ptrdiff_t best_lag() const {
-    const Marks all(static_cast<std::size_t>(size_), 1);
-    const std::vector<double> x = without_line(part(x_.values, 0), all);
+    const auto n = static_cast<double>(size_);
+    const std::vector<double> x =
+        without_line(part(x_.values, 0), Marks(static_cast<std::size_t>(size_), 1));
+    const Sums sums(y_.values);
     std::ptrdiff_t best = 0;
     double most = -INFINITY;
     for (std::ptrdiff_t lag = -most_lags_; lag <= most_lags_; ++lag) {
-      const std::vector<double> y = without_line(part(y_.values, lag), all);
-      const double alike = dot(x, y) / std::sqrt(dot(y, y));
+      const auto begin = static_cast<std::size_t>(margin_ + lag);
+      const Sums::Part y = sums.over(begin, begin + static_cast<std::size_t>(size_));
+      const double level = y.sum / n, about = y.ramp - 0.5 * (n - 1.0) * y.sum;
+      const double square = y.square - y.sum * level - 12.0 * about * about / (n * (n * n - 1.0));
+      const double xy = std::inner_product(
+          x.begin(), x.end(), y_.values.begin() + static_cast<std::ptrdiff_t>(begin), 0.0);
+      const double alike = xy / std::sqrt(square);
       if (!(alike > most)) continue;
       most = alike;
       best = lag;

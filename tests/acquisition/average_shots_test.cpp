@@ -346,6 +346,18 @@ datasets::Edit low_passed(const std::string& cutoff) {
 }
 
 // The edits of the mean are the first shot's, and a fit filters its prediction by them.
+// What a channel beside them went through, and what the channels were called then, is no matter.
+TEST(AverageShots, ComparesTheConditioningOfItsOwnChannels) {
+  std::vector<Record> shots{shot(0, 2.0), shot(1, 2.0)};
+  datasets::Edit before = low_passed("50000 Hz");
+  before.channel = "ch 1";
+  shots[0].provenance.edits = {before, {"map channel", "Force", {{"name in file", "ch 1"}}}};
+  shots[1].provenance.edits = {{"remove baseline", "Mic", {}}, low_passed("50000 Hz")};
+  const Record mean = average_shots(shots);
+  EXPECT_THAT(mean.warnings, testing::IsEmpty());
+  EXPECT_EQ(mean.channels[0].attributes.at("shots"), "2");
+}
+
 TEST(AverageShots, LeavesOutWhatIsConditionedOtherwise) {
   for (const std::size_t other : {std::size_t{0}, std::size_t{3}}) {
     std::vector<Record> shots;

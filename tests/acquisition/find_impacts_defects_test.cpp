@@ -34,6 +34,19 @@ double bounce(double t) {
 }
 
 // An amplifier that stays at its limit for most of the record: its median is the limit.
+// Before touch there is less than the way to the limit takes.
+TEST(FindImpacts, FindsTheRiseToARailBehindAShortRest) {
+  const Sampling at{.start = -40e-6, .interval = 1e-6, .samples = 3000};
+  auto force = sampled(at, [](double t) { return t < 100e-6 ? pulse(t) : 1500.0; });
+  add_noise(force, 2.0, 5);
+  for (double& value : force) value = std::min(value, 1450.0);
+  const auto impacts = find_impacts(record_of({force_of(at, force)}));
+  ASSERT_EQ(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].start, 0.0, 3e-6);
+  EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped));
+  EXPECT_FALSE(impacts[0].has(ImpactFlag::inverted));
+}
+
 TEST(FindImpacts, FindsTheRiseToARailThatIsNotLeft) {
   for (const std::size_t samples : {2400U, 4000U, 20000U})
     for (const double sign : {1.0, -1.0})
