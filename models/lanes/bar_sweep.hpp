@@ -34,7 +34,7 @@ class BarSweep {
   BarSweep(const BarForms& bar, double* work)
       : bar_(bar),
         steps_(aligned(work)),
-        rests_(reinterpret_cast<Rest*>(steps_ + bar.elements)) {}
+        rests_(work ? reinterpret_cast<Rest*>(steps_ + bar.elements) : nullptr) {}
 
   /// Eliminates all but the hinge's rotation; tells how many pivots are negative.
   template <bool Loaded>
