@@ -329,7 +329,9 @@ void follow_references(const Record& record, Record& result) {
   for (Channel& channel : result.channels)
     for (const Edit& edit : edits) {
       if (edit.what != "align" || !was_made_to(edit, channel)) continue;
-      const Channel* const before = record.find(edit.parameters.at("reference"));
+      const auto reference = edit.parameters.find("reference");
+      if (reference == edit.parameters.end()) continue;
+      const Channel* const before = record.find(reference->second);
       const auto after = std::ranges::find_if(result.channels, [before](const Channel& other) {
         return before != nullptr && other.name == before->name;
       });
