@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <ranges>
 #include <string>
 #include <utility>
 
@@ -88,8 +87,9 @@ GridSamples SampleFilter::of(GridSamples samples) const {
 std::optional<std::vector<SampleFilter>> filters_of(const Record& record, const Channel& channel) {
   std::vector<SampleFilter> filters;
   double interval = channel.clock.interval;
-  const std::vector<const Edit*> edits = edits_of(record, channel);
-  for (const Edit* const edit : std::views::reverse(edits)) {
+  std::vector<const Edit*> edits = edits_of(record, channel);
+  std::ranges::reverse(edits);  // from the channel's own interval back
+  for (const Edit* const edit : edits) {
     if (edit->what == "low-pass, zero phase") {
       const auto action = low_pass_of(*edit, interval);
       if (!action) return std::nullopt;
