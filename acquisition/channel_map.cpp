@@ -49,7 +49,6 @@ class MappedRecording final : public RecordingReader {
       if (chosen.mapping != nullptr)
         apply(*chosen.mapping, head_.record.channels.back(), head_.record);
     }
-    put_in_order(file.record.provenance.edits.size(), head_.record.provenance.edits);
     refuse_equal_names();
     leave_out_answered(head_.record);
   }
@@ -62,11 +61,9 @@ class MappedRecording final : public RecordingReader {
     const std::vector<std::size_t> places = selected_channels(head_, wanted);
     for (const std::size_t place : places) of_file.channels.push_back(channels_[place].index);
     Record record = reader_->read(of_file, sink);
-    const std::size_t before = record.provenance.edits.size();
     for (std::size_t i = 0; i < places.size(); ++i)
       if (const ChannelMapping* const mapping = channels_[places[i]].mapping)
         apply(*mapping, record.channels[i], record);
-    put_in_order(before, record.provenance.edits);
     leave_out_answered(record);
     return record;
   }
@@ -142,31 +139,9 @@ class MappedRecording final : public RecordingReader {
     }
   }
 
-  /// Edits are read one after the other: who gives a name away comes before who takes it.
-  static void put_in_order(std::size_t first, std::vector<datasets::Edit>& edits) {
-    const auto gives = [](const datasets::Edit& edit, const std::string& name) {
-      const auto old = edit.parameters.find("name in file");
-      return old != edit.parameters.end() && old->second == name;
-    };
-    const auto last = edits.end();
-    for (auto at = edits.begin() + static_cast<std::ptrdiff_t>(first); at != last; ++at) {
-      const auto free = std::find_if(at, last, [&](const datasets::Edit& edit) {
-        return std::none_of(at, last, [&](const datasets::Edit& other) {
-          return &other != &edit && gives(other, edit.channel);
-        });
-      });
-      if (free != last) std::rotate(at, free, free + 1);
-    }
-  }
-
-  /// As a map that is stated for what it has made.
+  /// As a map that is stated for what it has made. The channel is called as in the file.
   void warn_of_two_polarities(const Channel& channel, Record& record) const {
-    const auto inverts = [&channel](const datasets::Edit& edit) {
-      const auto polarity = edit.parameters.find("polarity");
-      return edit.what == "map channel" && was_made_to(edit, channel) &&
-             polarity != edit.parameters.end() && polarity->second == "-1";
-    };
-    if (std::ranges::any_of(record.provenance.edits, inverts))
+    if (datasets::has_been_inverted(reader_->head().record, channel))
       record.warnings.push_back(
           fmt::format("'{}' has been inverted by a map before and is again by {}, so that it is as "
                       "recorded: state it once",

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstddef>
+#include <set>
+#include <span>
 #include <string_view>
 
 namespace impactrig::datasets {
@@ -112,6 +115,28 @@ std::string program_version() {
   return "impactrig " IMPACTRIG_VERSION;
 }
 
+namespace {
+
+/// Null where the edit has none of that name.
+const std::string* parameter(const Edit& edit, const std::string& name) {
+  const auto found = edit.parameters.find(name);
+  return found == edit.parameters.end() ? nullptr : &found->second;
+}
+
+/// How many of the last were made at once: one, and of a map all that it made, each name once.
+std::size_t made_at_once(std::span<const Edit> edits) {
+  const std::string* const map = parameter(edits.back(), "map");
+  if (map == nullptr) return 1;
+  std::set<std::string_view> names;
+  const auto other = std::find_if(edits.rbegin(), edits.rend(), [&](const Edit& edit) {
+    const std::string* const its = parameter(edit, "map");
+    return its == nullptr || *its != *map || !names.insert(edit.channel).second;
+  });
+  return static_cast<std::size_t>(other - edits.rbegin());
+}
+
+}  // namespace
+
 bool is_of_file_of(const Edit& edit, const Channel& channel) {
   const std::string key(recorded_in);
   const auto of_edit = edit.parameters.find(key);
@@ -127,18 +152,31 @@ bool was_made_to(const Edit& edit, const Channel& channel) {
 std::vector<const Edit*> edits_of(const Record& record, const Channel& channel) {
   std::vector<const Edit*> all;
   std::string name = channel.name;
-  for (auto edit = record.provenance.edits.rbegin(); edit != record.provenance.edits.rend();
-       ++edit) {
-    if (!is_of_file_of(*edit, channel)) continue;
-    const auto made = edit->parameters.find("result");
-    if (made != edit->parameters.end() && made->second == name) name = edit->channel;
-    if (edit->channel != name) continue;
-    all.push_back(&*edit);
-    const auto old = edit->parameters.find("name in file");
-    if (edit->what == "map channel" && old != edit->parameters.end()) name = old->second;
+  const auto take_one_of = [&](std::span<const Edit> edits) {
+    for (const Edit& edit : edits) {
+      if (!is_of_file_of(edit, channel)) continue;
+      const std::string* const made = parameter(edit, "result");
+      if (made != nullptr && *made == name) name = edit.channel;
+      if (edit.channel != name) continue;
+      all.push_back(&edit);
+      if (const std::string* const old = parameter(edit, "name in file")) name = *old;
+      return;
+    }
+  };
+  for (std::span<const Edit> left = record.provenance.edits; !left.empty();) {
+    const std::size_t count = made_at_once(left);
+    take_one_of(left.last(count));
+    left = left.first(left.size() - count);
   }
   std::ranges::reverse(all);
   return all;
+}
+
+bool has_been_inverted(const Record& record, const Channel& channel) {
+  return std::ranges::any_of(edits_of(record, channel), [](const Edit* edit) {
+    const std::string* const polarity = parameter(*edit, "polarity");
+    return edit->what == "map channel" && polarity != nullptr && *polarity == "-1";
+  });
 }
 
 }  // namespace impactrig::datasets

@@ -134,4 +134,7 @@ std::string sha256_of(std::string_view bytes);
 /// then; in order.
 std::vector<const Edit*> edits_of(const Record& record, const Channel& channel);
 
+/// By a map, whatever it was called then.
+bool has_been_inverted(const Record& record, const Channel& channel);
+
 }  // namespace impactrig::datasets

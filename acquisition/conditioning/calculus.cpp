@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "acquisition/conditioning/samples.hpp"
@@ -45,16 +47,24 @@ Channel offspring_of(const Channel& channel, std::string_view prefix) {
   result.quantity = Quantity::other;
   result.clock = channel.clock;
   result.valid = sound_marks(channel);
-  result.calibration = channel.calibration;
   result.delay = channel.delay;
   return result;
 }
 
-/// Names the quantity where it has a name, and keeps the parent's unit in the new one.
+/// What has no unit gets none: its integral is not in seconds.
+std::string over_time(std::string_view unit, bool integral) {
+  if (unit.empty()) return {};
+  return fmt::format(fmt::runtime(integral ? "({}) s" : "({})/s"), unit);
+}
+
+/// Names the quantity where it has a name, and keeps the parent's unit in the new one. The
+/// calibration's number is that of both its units over time.
 void name_unit(const Channel& parent, bool integral, Channel& result) {
-  if (!parent.unit.empty())  // what has no unit gets none: its integral is not in seconds
-    result.unit =
-        integral ? fmt::format("({}) s", parent.unit) : fmt::format("({})/s", parent.unit);
+  result.unit = over_time(parent.unit, integral);
+  if ((result.calibration = parent.calibration))
+    for (std::string* unit :
+         {&result.calibration->recorded_unit, &result.calibration->physical_unit})
+      *unit = over_time(*unit, integral);
   for (const Kinship& kinship : kinships) {
     const Quantity from = integral ? kinship.derivative : kinship.integral;
     const Quantity to = integral ? kinship.integral : kinship.derivative;

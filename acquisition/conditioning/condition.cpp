@@ -240,27 +240,25 @@ void apply_polarity(Channel& channel, const Sensor& sensor, std::vector<Edit>& e
   edits.push_back({"apply polarity", channel.name, {{"polarity", "-1"}}});
 }
 
-/// A map's delay gives way to the rig file's; both may be meant.
+/// A map's delay gives way to the rig file's, which gives way to one that is off already; both may
+/// be meant.
 void warn_of_two_delays(const Claim& claim, Record& result) {
   const auto& own = claim.channel->delay;
   const datasets::Delay& stated = claim.sensor->delay;
-  if (!own || own->removed || own->value == stated.value || !says_something(stated)) return;
-  result.warnings.push_back(
-      fmt::format("Channel '{}' states a delay of {:g} s, but {}.delay is {:g} s, which is used; "
-                  "state it in one place.",
-                  claim.channel->name, own->value, claim.key(), stated.value));
+  if (!own || own->value == stated.value || !says_something(stated)) return;
+  result.warnings.push_back(fmt::format(
+      fmt::runtime(own->removed
+                       ? "Channel '{}' has had a delay of {:g} s taken off, so {}.delay, {:g} s, "
+                         "is not; state it in one place."
+                       : "Channel '{}' states a delay of {:g} s, but {}.delay is {:g} s, which is "
+                         "used; state it in one place."),
+      claim.channel->name, own->value, claim.key(), stated.value));
 }
 
 /// A map that has turned a channel over leaves nothing to turn to the rig file; both may be meant,
 /// as for an amplifier between the two.
 void warn_of_two_polarities(const Record& record, const Claim& claim, Record& result) {
-  const auto inverts = [&](const Edit& edit) {
-    const auto polarity = edit.parameters.find("polarity");
-    return edit.what == "map channel" && was_made_to(edit, *claim.channel) &&
-           polarity != edit.parameters.end() && polarity->second == "-1";
-  };
-  if (claim.sensor->polarity >= 0.0 || std::ranges::none_of(record.provenance.edits, inverts))
-    return;
+  if (claim.sensor->polarity >= 0.0 || !has_been_inverted(record, *claim.channel)) return;
   result.warnings.push_back(
       fmt::format("Channel '{}' has been inverted by its map, and is again by {}.polarity = -1, so "
                   "that it is as recorded; state it in one place.",

@@ -36,9 +36,9 @@ void note_digitiser_step(std::span<const double> values, std::span<const std::ui
 
 double noted_digitiser_step(const datasets::Record& record, const datasets::Channel& channel) {
   double step = 0.0;
-  for (const datasets::Edit& edit : record.provenance.edits) {
-    const auto noted = edit.parameters.find(key);
-    if (was_made_to(edit, channel) && noted != edit.parameters.end())
+  for (const datasets::Edit* const edit : edits_of(record, channel)) {
+    const auto noted = edit->parameters.find(key);
+    if (noted != edit->parameters.end())
       step = std::max(step, number_in(noted->second, channel.unit));
   }
   return step;

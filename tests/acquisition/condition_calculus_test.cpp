@@ -162,6 +162,20 @@ TEST(Integrate, MakesSiOfItsUnit) {
   EXPECT_EQ(integrate(force_of(at, {1.0, 1.0, 1.0})).channel.unit, "(N) s");
 }
 
+// 4 mV/N are 4 mV s a newton second, and 4 mV/s a newton a second.
+TEST(Calculus, KeepsTheCalibrationInUnitsOfItsOwn) {
+  const Sampling at{.start = 0.0, .interval = 0.1, .samples = 5};
+  Channel force = force_of(at, {1.0, 2.0, 1.0, 2.0, 1.0});
+  force.calibration = {0.004, 1e-5, "V", "N", "certificate"};
+  const Channel impulse = integrate(force).channel, rate = differentiate(force).channel;
+  EXPECT_EQ(impulse.calibration->sensitivity, 0.004);
+  EXPECT_EQ(impulse.calibration->uncertainty, 1e-5);
+  EXPECT_EQ(impulse.calibration->recorded_unit, "(V) s");
+  EXPECT_EQ(impulse.calibration->physical_unit, "(N) s");
+  EXPECT_EQ(rate.calibration->recorded_unit, "(V)/s");
+  EXPECT_EQ(rate.calibration->physical_unit, "(N)/s");
+}
+
 TEST(Integrate, BridgesInvalidSamples) {
   const Sampling at{.start = 0.0, .interval = 1.0, .samples = 5};
   auto velocity = velocity_of(at, {0.0, 1.0, std::nan(""), 3.0, 4.0});

@@ -198,6 +198,19 @@ TEST(Condition, TellsOfADelayThatTwoPlacesStateDifferently) {
   EXPECT_THAT(condition(record_of({channel}), {.force = sensor}).warnings, testing::IsEmpty());
 }
 
+TEST(Condition, TellsOfADelayThatItLeavesBesideOneThatIsOff) {
+  Channel channel = channel_in("F", Quantity::force, "N");
+  channel.delay = {5e-6, 0.0, true};
+  Sensor sensor = sensor_of(Quantity::force);
+  EXPECT_THAT(condition(record_of({channel}), {.force = sensor}).warnings, testing::IsEmpty());
+  sensor.delay = {2e-6, 0.0, false};
+  const Record result = condition(record_of({channel}), {.force = sensor});
+  EXPECT_EQ(result.channels[0].clock.start, channel.clock.start);
+  EXPECT_THAT(result.warnings,
+              testing::ElementsAre("Channel 'F' has had a delay of 5e-06 s taken off, so "
+                                   "sensors.force.delay, 2e-06 s, is not; state it in one place."));
+}
+
 TEST(Condition, CarriesTheCalibrationAndTheRange) {
   Sensor sensor = force_in_volts("CH1");
   sensor.range = 5000.0;

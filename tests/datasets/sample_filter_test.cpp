@@ -137,6 +137,21 @@ TEST(SampleFilter, OfAnotherFilesChannelIsNotIts) {
   EXPECT_EQ(std::get<LowPass>(filters->at(0).action).cutoff, 20e3);
 }
 
+// By a map that is stated once, and then again.
+TEST(SampleFilter, FollowsNamesThatAMapExchanges) {
+  const auto named = [](const char* now, const char* before) {
+    return Edit{"map channel", now, {{"map", "swap.toml"}, {"name in file", before}}};
+  };
+  const std::vector<Edit> swap = {named("way", "speed"), named("speed", "way")};
+  const Record once = edited({low_passed, swap[0], swap[1]});
+  EXPECT_EQ(filters_of(once, once.channels[0])->size(), 1U);
+  const Record turned = edited({low_passed, swap[1], swap[0]});
+  EXPECT_EQ(filters_of(turned, turned.channels[0])->size(), 1U);
+  const Record twice = edited({low_passed, swap[0], swap[1], swap[0], swap[1]});
+  EXPECT_EQ(filters_of(twice, twice.channels[0])->size(), 0U);
+  EXPECT_EQ(edits_of(twice, twice.channels[0]).size(), 2U);
+}
+
 TEST(SampleFilter, IsNoneWithoutAnyAndWhereItCannotBeTold) {
   const Record plain = edited({{"remove baseline", "speed", {}}});
   EXPECT_EQ(filters_of(plain, plain.channels[0])->size(), 0U);
