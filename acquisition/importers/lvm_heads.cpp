@@ -33,6 +33,13 @@ std::vector<std::string_view> split(std::string_view line, char separator) {
   }
 }
 
+/// Not the zero of LabVIEW's clock, 1904-01-01 UTC as its own zone has it: it is stated for
+/// nothing.
+bool is_stated(const LvmMoment& moment) {
+  constexpr std::int64_t second_day_of_1904 = -2082758400;  // since 1970
+  return moment.seconds > second_day_of_1904;
+}
+
 /// "2013/02/19" and "09:51:40,727189064" (or with a point).
 std::optional<LvmMoment> moment_of(std::string_view date, std::string_view time) {
   const std::string day(date.substr(0, 32));
@@ -258,6 +265,9 @@ void LvmHeads::name_columns(const LvmHeader& header, LvmSegment& segment) {
     part.x_dimension = to_utf8(header.cell("X_Dimension", column));
     part.x_unit = to_utf8(header.cell("X_Unit_Label", column));
     part.x0 = finite(header.cell("X0", column));
+    const auto moment = moment_of(header.cell("Date", column), header.cell("Time", column));
+    if (moment && is_stated(*moment) && segment.moment && is_stated(*segment.moment))
+      part.later = *moment - *segment.moment;
     part.delta_text = to_utf8(header.cell("Delta_X", column));
     part.delta = finite(header.cell("Delta_X", column));
     if (part.delta && !(*part.delta > 0.0)) part.delta.reset();

@@ -27,16 +27,13 @@ using datasets::SampleClock;
 namespace {
 
 constexpr std::size_t most_warnings = 100;
-
-double operator-(const LvmMoment& a, const LvmMoment& b) {
-  return static_cast<double>(a.seconds - b.seconds) + (a.fraction - b.fraction);
-}
+constexpr double latest_start = 1e9;  ///< [s]; larger ones count since 1904
 
 bool alike(const LvmSegment& a, const LvmSegment& b) {
   return std::ranges::equal(a.parts, b.parts, [](const LvmPart& one, const LvmPart& other) {
     return one.name == other.name && one.unit == other.unit &&
            one.x_dimension == other.x_dimension && one.x_unit == other.x_unit &&
-           one.delta == other.delta && one.x.empty() == other.x.empty();
+           one.delta == other.delta && one.later == other.later && one.x.empty() == other.x.empty();
   });
 }
 
@@ -107,6 +104,10 @@ std::optional<double> rate_meant(std::string_view text, double delta) {
 
 }  // namespace
 
+double operator-(const LvmMoment& a, const LvmMoment& b) {
+  return static_cast<double>(a.seconds - b.seconds) + (a.fraction - b.fraction);
+}
+
 void LvmRecording::warn(std::string text) {
   if (record_.warnings.size() < most_warnings &&
       std::ranges::find(record_.warnings, text) == record_.warnings.end())
@@ -157,17 +158,41 @@ void LvmRecording::check_counts(const LvmSegment& segment, bool one_heading) {
   }
 }
 
+/// X values begin anew at the date and time of each segment, or go on from those of the first, as
+/// the difference tells. Those that count since 1904 have the first one's moment twice.
+double LvmRecording::shift_of(const LvmSegment& segment) const {
+  if (segment.parts.empty()) return 0.0;
+  const LvmSegment& first = segments_.empty() ? segment : segments_.front();
+  if (!segment.moment || !first.moment) return 0.0;
+  const double start = first_x(first.parts.front());
+  const double origin = start > latest_start ? -start : 0.0;
+  const double later = *segment.moment - *first.moment;
+  const bool goes_on =
+      later > 0.0 && std::abs(first_x(segment.parts.front()) - start - later) < 0.01 * later;
+  return goes_on ? origin : origin + later;
+}
+
+/// Joined by its X values, which leave no room for what its date and time say; their clock may be
+/// that of the writing.
+void LvmRecording::tell_of_later_stamp(const LvmSegment& segment, double shift) {
+  const double late = shift_of(segment) - shift;
+  if (late > 1.0)
+    warn(
+        fmt::format("segment {} goes on where the one before ends by its X values, but its date "
+                    "and time are {:.6g} s later: the X values are taken",
+                    segment.first, late));
+}
+
 void LvmRecording::join(LvmSegment&& segment) {
-  const double later = !segments_.empty() && segment.moment && segments_.front().moment
-                           ? *segment.moment - *segments_.front().moment
-                           : 0.0;
+  const double own = shift_of(segment);
   if (!segments_.empty() && alike(segments_.back(), segment)) {
     LvmSegment& before = segments_.back();
-    for (const double shift : {before.shift, later}) {
+    for (const double shift : {before.shift, own}) {
       bool goes_on = !before.parts.empty();
       for (std::size_t c = 0; c < before.parts.size() && goes_on; ++c)
         goes_on = continues(before.parts[c], segment.parts[c], shift - before.shift);
       if (!goes_on) continue;
+      tell_of_later_stamp(segment, shift);
       for (std::size_t c = 0; c < before.parts.size(); ++c)
         append(before.parts[c], std::move(segment.parts[c]), shift - before.shift);
       ++before.joined;
@@ -175,7 +200,7 @@ void LvmRecording::join(LvmSegment&& segment) {
       return;
     }
   }
-  segment.shift = later;
+  segment.shift = own;
   segments_.push_back(std::move(segment));
 }
 
@@ -216,7 +241,8 @@ void LvmRecording::deliver(LvmSegment& segment, bool multi) {
     if (segment.joined > 1) channel.attributes["segments"] = fmt::format("{}", segment.joined);
     if (part.said) channel.attributes["Samples"] = fmt::format("{}", *part.said);
     StoredChannel stored;
-    set_clock(part, segment.shift, multi, channel, stored);
+    const bool own_x = multi || part.x.empty();
+    set_clock(part, segment.shift + (own_x ? part.later : 0.0), multi, channel, stored);
     if (part.missing > 0 && !segment.goes_on)
       warn(fmt::format("'{}': {} of {} values {} missing; marked as not valid", channel.name,
                        part.missing, part.values.size(), part.missing == 1 ? "is" : "are"));

@@ -23,6 +23,9 @@ struct LvmMoment {
   double fraction = 0.0;
 };
 
+/// [s]
+double operator-(const LvmMoment& a, const LvmMoment& b);
+
 /// Whether X values are X_0 + i Delta_X but for the digits they were printed with.
 struct LvmDeltaCheck {
   bool agrees = true;
@@ -51,6 +54,7 @@ struct LvmPart {
   std::string delta_text;             ///< of Delta_X, as printed
   std::optional<double> x0;           ///< in x_unit
   std::optional<double> delta;        ///< likewise
+  double later = 0.0;                 ///< than its segment's date and time, by its own [s]
   std::optional<std::uint64_t> said;  ///< samples the header declares
   NumberList<double> values;
   NumberList<std::uint8_t> invalid;  ///< 1 where a value is missing; empty: all are there
@@ -125,6 +129,9 @@ class LvmRecording {
 
  private:
   void check_counts(const LvmSegment& segment, bool one_heading);
+  /// What the times of a segment lack to those of the first.
+  double shift_of(const LvmSegment& segment) const;
+  void tell_of_later_stamp(const LvmSegment& segment, double shift);
   /// To the segment before, when all channels are the same and go on in time.
   void join(LvmSegment&& segment);
   void tell_times_among(const LvmSegment& segment);

@@ -220,6 +220,51 @@ TEST(Lvm, SegmentsApartBecomeChannelsOfTheirOwn) {
                           "channels of the later ones are named '... (segment n)'"));
 }
 
+// "Absolute": from 1904 on; LabVIEW 2012 and later write 0 beside that word.
+TEST(Lvm, TimesSince1904BeginWithTheRecording) {
+  const LvmFile file{'\t', "Tab", ".", "No", "Yes", ""};
+  const auto record = imported(
+      file.header() +
+      file.segment(lvm_two_channels("2", "3698388672.5", "0.001"), names, "|1|2\n|3|4\n\n") +
+      file.segment(lvm_two_channels("2", "3698388682.5", "0.001", "09:51:50.25"), names,
+                   "|5|6\n|7|8\n"));
+  ASSERT_EQ(record.channels.size(), 4U);
+  EXPECT_EQ(record.channels[0].clock.start, 0.0);
+  EXPECT_EQ(record.channels[2].clock.start, 10.0);
+  EXPECT_EQ(record.started, "2024-02-29T09:51:40.250000");
+}
+
+TEST(Lvm, TimesThatGoOnFromTheFirstSegmentAreNotShiftedToo) {
+  const LvmFile file{'\t', "Tab", ".", "No", "Yes", ""};
+  const auto record = imported(
+      file.header() + file.segment(lvm_two_channels("2", "0", "0.001"), names, "|1|2\n|3|4\n\n") +
+      file.segment(lvm_two_channels("2", "10.02", "0.001", "09:51:50.25"), names, "|5|6\n|7|8\n"));
+  ASSERT_EQ(record.channels.size(), 4U);
+  EXPECT_EQ(record.channels[2].clock.start, 10.02);
+}
+
+TEST(Lvm, ASegmentThatGoesOnAlthoughItsTimeIsLaterIsToldOf) {
+  const LvmFile file{'\t', "Tab", ".", "No", "Yes", ""};
+  const auto record = imported(
+      file.header() + file.segment(lvm_two_channels("2", "0", "0.001"), names, "|1|2\n|3|4\n\n") +
+      file.segment(lvm_two_channels("2", "0.002", "0.001", "09:51:45.25"), names, "|5|6\n|7|8\n"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 3, 5, 7));
+  EXPECT_THAT(record.warnings,
+              ElementsAre("segment 2 goes on where the one before ends by its X values, but its "
+                          "date and time are 5 s later: the X values are taken"));
+}
+
+// [NI, LabVIEW Measurement File format: date and time of a segment have a cell a channel]
+TEST(Lvm, AChannelsOwnDateAndTimeSayWhenItBegins) {
+  const std::string keys =
+      "Channels|2|||\nSamples|2|2|\nDate|2024/02/29|2024/03/01|\nTime|09:51:40.25|09:51:41.75|\n"
+      "X_Dimension|Time|Time|\nX0|0|0.5|\nDelta_X|0.001|0.001|\n";
+  const LvmFile file{'\t', "Tab", ".", "No", "Yes", ""};
+  const auto record = imported(file.header() + file.segment(keys, names, "|1|2\n|3|4\n"));
+  EXPECT_EQ(record.channels[0].clock.start, 0.0);
+  EXPECT_EQ(record.channels[1].clock.start, 86402.0);
+}
+
 TEST(Lvm, PacketsWithoutHeaderAreAppended) {
   const LvmFile file{'\t', "Tab", ".", "No", "No", ""};
   const auto record = imported(one_segment("|1|2\n|3|4\n|5|6\n", "0.001", file, "2"));
