@@ -198,6 +198,14 @@ bool begins_with_a_name(std::string_view text) {
   });
 }
 
+/// "g-force", "G force": UDUNITS-2 reads grams of force.
+bool is_g_force(std::string_view text) {
+  std::string letters;
+  for (const char c : text)
+    if (c != '-' && c != '_' && !is_blank(c)) letters += static_cast<char>(std::tolower(c));
+  return letters == "gforce" || letters == "gforces";
+}
+
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
@@ -377,6 +385,7 @@ std::string normalised(std::string_view unit) {
   if (unit == "kg (kilo-g)" || unit == "kilo-g") return "(1000 gravity)";
   if (unit == "g's" || unit == "G's" || unit == "g\u2019s") return "gravity";
   std::string text = with_ascii_signs(with_factor_first(without_detector(unit)));
+  if (is_g_force(text)) return "gravity";
   if (text == "ms-2" || text == "ms^-2") return "m.s-2";  // UDUNITS-2: per square millisecond
   if (text == "ms-1" || text == "ms^-1") return "m.s-1";  // UDUNITS-2: per millisecond
   return has_broken_exponent(text) || has_number_inside(text) ? std::string() : text;

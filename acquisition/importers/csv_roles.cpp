@@ -83,27 +83,38 @@ std::string_view name_without_number(std::string_view name) {
   return name.substr(0, last == name.npos ? 0 : last + 1);
 }
 
+/// The time of the next column by its name: "t_acc" of "acc", "tA" of "A".
+bool is_time_of_next(std::string_view name, std::string_view next) {
+  if (next.empty() || !name.ends_with(next)) return false;
+  const std::string_view front = name.substr(0, name.size() - next.size());
+  const bool capital = next.front() >= 'A' && next.front() <= 'Z';
+  return front == "t_" || front == "t " || (front == "t" && capital);
+}
+
 /// As a further one. Where the first time is one only since it increases, by the same name.
-bool is_named_as_time(const ColumnHead& head, const ColumnHead& first_time) {
+bool is_named_as_time(std::size_t column, const std::vector<ColumnHead>& heads, std::size_t time) {
+  const ColumnHead& head = heads[column];
   const std::string name = lowered(head.name);
   if ((is_time_name(name) && name != "x-axis") || name.starts_with("time ") ||
       name.starts_with("time_") || name.starts_with("zeit "))
     return true;
+  if (column + 1 < heads.size() && is_time_of_next(head.name, heads[column + 1].name)) return true;
+  const ColumnHead& first_time = heads[time];
   const std::string_view stem = name_without_number(first_time.name);
   const bool first_is_named = is_time_name(stem) || is_time_unit(first_time.unit);
   return head.name == first_time.name ||
          (first_is_named && !stem.empty() && name_without_number(head.name) == stem);
 }
 
-/// Columns behind the time that are times too, by their name ("Time B") or unit, and increase up to
-/// their end.
+/// Columns behind the time that are times too, by their name ("Time B", "t_acc") or unit, and
+/// increase up to their end.
 std::vector<std::size_t> times_behind(std::size_t time, const std::vector<ColumnHead>& heads,
                                       const std::vector<Column>& columns) {
   std::vector<std::size_t> found;
   for (std::size_t c = time + 1; c < columns.size(); ++c) {
     const ColumnHead& head = heads[c];
     const bool is_time =
-        is_time_unit(head.unit) || (head.unit.empty() && is_named_as_time(head, heads[time]));
+        is_time_unit(head.unit) || (head.unit.empty() && is_named_as_time(c, heads, time));
     const std::span<const double> values(columns[c].values);
     if (is_time && increases(values.first(samples_before_end(columns[c])))) found.push_back(c);
   }
@@ -298,7 +309,7 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
 void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles, Record& record) {
   for (const std::size_t c : roles.further_times) {
     const bool says_so = lowered(heads[c].name).find("time") != std::string::npos;
-    if (says_so || is_named_as_time(heads[c], heads[*roles.time])) continue;
+    if (says_so || is_named_as_time(c, heads, *roles.time)) continue;
     record.warnings.push_back(fmt::format(
         "'{}' is taken as the times of the columns beside it, since its unit is one of time and it "
         "increases (--time-column '{}' gives all columns one time)",
@@ -308,7 +319,7 @@ void tell_of_times(const std::vector<ColumnHead>& heads, const CsvRoles& roles, 
   std::size_t before = roles.time.value_or(0);
   for (std::size_t c = before + 1; roles.time && !stated && c < heads.size(); ++c) {
     const bool named = (heads[c].unit.empty() || is_time_unit(heads[c].unit)) &&
-                       is_named_as_time(heads[c], heads[*roles.time]);
+                       is_named_as_time(c, heads, *roles.time);
     if (named && c > before + 1 && roles.is_channel(c))
       record.warnings.push_back(
           fmt::format("'{}' is named as times of its own, but has gaps or does not increase: the "

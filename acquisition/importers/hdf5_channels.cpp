@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <utility>
 
 #include "acquisition/importers/column_heads.hpp"
+#include "acquisition/importers/date_time.hpp"
 #include "acquisition/importers/mat73_structures.hpp"
 #include "acquisition/importers/mat_contents.hpp"
 #include "acquisition/importers/mat_labels.hpp"
@@ -23,7 +25,6 @@ using datasets::Record;
 
 namespace {
 
-constexpr std::uint64_t longest_small_matrix = 100;  ///< of a MAT-file: as in versions 4 and 5
 constexpr std::uint64_t most_columns = 1000;
 
 /// Copies what it is handed of one channel as doubles.
@@ -195,10 +196,13 @@ MatContents texts_of_matlab(const Hdf5Channels& made) {
     if (!is_matlab_text(array)) {
       MatArray& numbers = contents.arrays.emplace_back();
       numbers.name = name;
+      constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
       numbers.count = 1;
       for (const std::uint64_t side : array.shape)
-        numbers.count =
-            std::min<std::uint64_t>(numbers.count * std::min<std::uint64_t>(side, 2), 2);
+        numbers.count = side > 0 && numbers.count > most / side ? most : numbers.count * side;
+      if (array.shape.size() != 2) continue;
+      numbers.rows = array.shape[1];
+      numbers.columns = array.shape[0];
       continue;
     }
     if (array.text.empty()) continue;  // too long to be names
@@ -249,6 +253,28 @@ class ChannelMaker {
       if (path.ends_with("/title") && record.title.empty()) record.title = text;
       if (path.ends_with("/start_time") && record.started.empty()) record.started = text;
     }
+    if (record.started.empty()) record.started = start_in_attributes();
+  }
+
+  /// Of the root [ACDD: time_coverage_start], or of times that count from a date [CF 4.4]; not from
+  /// one before 1971, which begins a scale.
+  std::string start_in_attributes() const {
+    const auto root = made_.listing.groups.find("/");
+    if (root != made_.listing.groups.end())
+      for (const char* key : {"start_time", "time_coverage_start"})
+        if (const auto text = root->second.texts.find(key); text != root->second.texts.end())
+          if (const auto start = date_time_in(text->second); start && start->has_date)
+            return start->iso();
+    constexpr std::string_view mark = " since ";
+    constexpr std::int32_t begin_of_1971 = 365;  // days
+    for (const Hdf5Array& array : made_.listing.arrays)
+      for (const auto& [key, text] : array.attributes.texts) {
+        const std::size_t since = key == "units" ? text.find(mark) : std::string::npos;
+        if (since == std::string::npos) continue;
+        const auto start = date_time_in(std::string_view(text).substr(since + mark.size()));
+        if (start && start->days[0].value_or(0) >= begin_of_1971) return start->iso();
+      }
+    return {};
   }
 
   /// Of a field of records: "/run/table.force".
@@ -282,13 +308,18 @@ class ChannelMaker {
     if (columns > most_columns && !matlab)
       return skip(
           fmt::format("'{}' ({} columns, at most {} are read)", name, columns, most_columns));
-    if (columns == 1 || columns > most_columns || (matlab && shape[along] <= longest_small_matrix))
-      return add_channel(name, slice);
-    slice.whole = false;
-    slice.along = along;
     std::vector<std::string> names, units;
     if (const auto* const listed = column_names(array, columns)) names = *listed;
     if (matlab && names.empty()) names = labels_.channels_of(name, columns);
+    const bool small = matlab && shape[along] <= longest_small_matrix &&
+                       !labels_.rows_are_samples(shape[0], shape[1], !names.empty());
+    if (columns == 1 || columns > most_columns || small) {
+      if (small && is_told_of_small(shape[0], shape[1]))
+        made_.warn(told_of_small(name, shape[1], shape[0]));
+      return add_channel(name, slice);
+    }
+    slice.whole = false;
+    slice.along = along;
     if (matlab) units = labels_.units_of(name, columns);
     for (slice.other = 0; slice.other < columns; ++slice.other)
       add_channel(names.empty() ? fmt::format("{}:{}", name, slice.other + 1)

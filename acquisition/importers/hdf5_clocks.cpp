@@ -47,10 +47,12 @@ class ClockSetter {
     if (!options.time_column) scaled = by_scales(arrays);
     by_names(arrays, scaled, options);
     for (std::size_t i = 0; i < slices_.size(); ++i) set_clock(i, options.time_column.has_value());
-    if (!file_.matlab || options.time_column.value_or("none") != "none") return;
+    if (!file_.matlab) return;
+    const bool stated = options.time_column.value_or("none") != "none";
     for (std::size_t i = 0; i < slices_.size(); ++i)
-      if (channels_[i].clock.interval == 0.0 && slices_[i].count > 1)
-        take_clock_of_program(mat_facts(), channels_[i], file_.record);
+      if (slices_[i].count > 1)
+        take_facts_of_program(mat_facts(), !stated && channels_[i].clock.interval == 0.0,
+                              channels_[i], file_.record);
   }
 
  private:
@@ -151,6 +153,7 @@ class ClockSetter {
         named.other_names.push_back(file_.name_of_path(link));
     named.time = is_axis(array) &&
                  (channel.unit.empty() || datasets::conversion(channel.unit, "s").has_value());
+    if (file_.matlab) tell_times_of_program(mat_facts(), named);
     return named;
   }
 

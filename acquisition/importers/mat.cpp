@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 #include <span>
 
 #include "acquisition/importers/clock_words.hpp"
@@ -28,8 +27,6 @@ using datasets::Record;
 
 namespace {
 
-/// A matrix longer than this holds samples one way and channels the other.
-constexpr std::uint64_t longest_small_matrix = 100;
 constexpr std::uint64_t most_channels = 1000;  ///< of one matrix
 constexpr std::size_t longest_text = 2000;     ///< of an attribute [bytes]
 
@@ -91,12 +88,15 @@ class MatRecord {
           array.name, array.dimensions, array.count));
     const std::uint64_t longer = std::max(array.rows, array.columns);
     const std::uint64_t shorter = std::min(array.rows, array.columns);
-    const bool one_list =
-        shorter < 2 || shorter > most_channels ||
-        (longer <= longest_small_matrix && (longer == shorter || !has_times(longer)));
-    if (one_list) return add_channel(array, label_of(array.name), 0, array.count, 1);
-    const bool by_columns = array.rows >= array.columns;
     const std::vector<std::string> names = labels_.channels_of(array.name, shorter);
+    const bool small = longer <= longest_small_matrix &&
+                       !labels_.rows_are_samples(array.rows, array.columns, !names.empty());
+    if (shorter < 2 || shorter > most_channels || small) {
+      if (small && is_told_of_small(array.rows, array.columns))
+        record_.warnings.push_back(told_of_small(array.name, array.rows, array.columns));
+      return add_channel(array, label_of(array.name), 0, array.count, 1);
+    }
+    const bool by_columns = array.rows >= array.columns;
     const std::vector<std::string> units = labels_.units_of(array.name, shorter);
     for (std::uint64_t i = 0; i < shorter; ++i) {
       Label label = names.empty() ? label_of(fmt::format("{}:{}", array.name, i + 1))
@@ -109,18 +109,6 @@ class MatRecord {
                   by_columns ? std::min(array.rows, left) : (left - 1) / array.rows + 1,
                   by_columns ? 1 : array.rows);
     }
-  }
-
-  /// Whether so many times stand beside, which tells of a few rows that they are samples.
-  bool has_times(std::uint64_t samples) {
-    if (!lengths_of_times_) {
-      lengths_of_times_.emplace();
-      for (const MatArray& array : contents_.arrays)
-        if (array.count > 2 && std::min(array.rows, array.columns) == 1 &&
-            is_named_as_time(array.name))
-          lengths_of_times_->insert(array.count);
-    }
-    return lengths_of_times_->contains(samples);
   }
 
   void add_channel(const MatArray& array, const Label& label, std::uint64_t first,
@@ -150,6 +138,7 @@ class MatRecord {
       arrays.push_back(
           {array_names_[i], stored_[i].samples.size(), stored_[i].imaginary.size() == 0});
       take_unit(arrays.back(), record_.channels[i].unit);
+      tell_times_of_program(facts(), arrays.back());
     }
     ArrayClocks found = clocks_by_name(
         contents_.file->path(), arrays,
@@ -171,9 +160,11 @@ class MatRecord {
       };
     }
     const bool stated = options.time_column && *options.time_column != "none";
-    for (std::size_t i = 0; i < stored_.size() && !stated; ++i)
-      if (found.clocks[i].interval == 0.0 && arrays[i].samples > 1)
-        take_clock_of_program(facts(), record_.channels[i], record_);
+    for (std::size_t i = 0; i < stored_.size(); ++i)
+      if (arrays[i].samples > 1)
+        take_facts_of_program(facts(),
+                              !stated && !found.clocks[i].times && found.clocks[i].interval == 0.0,
+                              record_.channels[i], record_);
     for (std::string& warning : found.warnings) record_.warnings.push_back(std::move(warning));
     if (found.time_column.empty()) return;
     record_.attributes["time column"] = found.time_column;
@@ -204,7 +195,6 @@ class MatRecord {
 
   MatContents contents_;
   MatLabels labels_{contents_};
-  std::optional<std::set<std::uint64_t>> lengths_of_times_;  // of vectors, once asked for
   Record record_;
   std::vector<std::string> array_names_;  ///< of the channels
   std::vector<StoredChannel> stored_;

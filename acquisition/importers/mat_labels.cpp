@@ -8,6 +8,7 @@
 #include <set>
 
 #include "acquisition/importers/clock_words.hpp"
+#include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
 
@@ -15,8 +16,8 @@ namespace impactrig::acquisition {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> unit_words = {"unit",  "units",  "Unit",
-                                                        "Units", "y_unit", "yunit"};
+constexpr std::array<std::string_view, 8> unit_words = {"unit",   "units", "Unit",   "Units",
+                                                        "y_unit", "yunit", "YUnits", "YUnit"};
 constexpr std::array<std::string_view, 9> list_words = {
     "colheaders",    "names",          "labels",         "columns", "channels",
     "channel_names", "channel_labels", "variable_names", "headers"};
@@ -27,35 +28,68 @@ std::string_view structure_of(std::string_view name) {
   return point == std::string_view::npos ? std::string_view{} : name.substr(0, point + 1);
 }
 
+/// "runtimeunit" of "Run.TimeUnit" and "run.time_unit".
+std::string plain(std::string_view name) {
+  std::string result = lowered(name);
+  std::erase_if(result, [](char c) { return c == '_'; });
+  return result;
+}
+
 }  // namespace
 
+bool is_told_of_small(std::uint64_t rows, std::uint64_t columns) {
+  constexpr std::uint64_t fewest = 16;
+  const auto [channels, samples] = std::minmax(rows, columns);
+  return channels > 1 && samples > channels && samples >= fewest;
+}
+
+std::string told_of_small(std::string_view name, std::uint64_t rows, std::uint64_t columns) {
+  return fmt::format(
+      "'{}' is one channel, column behind column: of {} x {} numbers nothing tells that they are "
+      "samples of several (times of that length, an interval or a rate do)",
+      name, rows, columns);
+}
+
 MatLabels::MatLabels(const MatContents& contents) : contents_(contents) {
+  for (const auto& [name, text] : contents_.texts) texts_.emplace(plain(name), text);
   for (const MatArray& array : contents_.arrays) {
+    ++arrays_[plain(array.name)];
+    const bool vector = array.count > 2 && std::min(array.rows, array.columns) == 1;
+    if (vector && is_named_as_time(array.name)) lengths_of_times_.insert(array.count);
+    const std::string word = array.count == 1 ? last_word(array.name) : std::string();
+    tells_rate_ = tells_rate_ || is_rate_word(word) || is_interval_word(word);
     if (array.count < 2 || is_named_as_time(array.name)) continue;
     const auto [first, is_new] = only_.try_emplace(structure_of(array.name), array.name);
     if (!is_new) first->second = {};
   }
 }
 
+std::string MatLabels::stated_unit(const std::string& name, bool any_case) const {
+  std::string_view text;
+  if (const auto exact = contents_.texts.find(name); exact != contents_.texts.end())
+    text = exact->second;
+  else if (const auto alike = texts_.find(plain(name)); any_case && alike != texts_.end())
+    text = alike->second;
+  const std::string unit = to_utf8(text);
+  return datasets::quantity_of_unit(unit) == datasets::Quantity::unknown ? std::string() : unit;
+}
+
 std::string MatLabels::unit_of(std::string_view array) const {
-  const auto stated = [this](const std::string& name) {
-    const auto found = contents_.texts.find(name);
-    const std::string unit =
-        found == contents_.texts.end() ? std::string() : to_utf8(found->second);
-    return datasets::quantity_of_unit(unit) == datasets::Quantity::unknown ? std::string() : unit;
-  };
-  for (const std::string_view ending : {"_unit", "_units"})
-    if (std::string own = stated(fmt::format("{}{}", array, ending)); !own.empty()) return own;
   const std::string_view structure = structure_of(array);
-  if (is_named_as_time(array))
+  const bool time = is_named_as_time(array);
+  std::vector<std::string> names = {fmt::format("{}_unit", array), fmt::format("{}_units", array)};
+  if (time)
     for (const std::string_view word : {"time_unit", "time_units"})
-      if (std::string own = stated(fmt::format("{}{}", structure, word)); !own.empty()) return own;
+      names.push_back(fmt::format("{}{}", structure, word));
+  if (!structure.empty())  // of a timeseries
+    names.push_back(fmt::format("{}{}", structure, time ? "TimeInfo.Units" : "DataInfo.Units"));
+  const auto same = arrays_.find(plain(array));
+  const bool only_one = same == arrays_.end() || same->second == 1;
+  for (const std::string& name : names)
+    if (std::string own = stated_unit(name, only_one); !own.empty()) return own;
   if (structure.empty()) return {};
-  // of a timeseries
-  const std::string_view info = is_named_as_time(array) ? "TimeInfo.Units" : "DataInfo.Units";
-  if (std::string own = stated(fmt::format("{}{}", structure, info)); !own.empty()) return own;
-  const auto only = only_.find(structure);
-  if (only == only_.end() || only->second != array) return {};
+  const auto only_array = only_.find(structure);
+  if (only_array == only_.end() || only_array->second != array) return {};
   for (const std::string_view word : unit_words) {
     const auto found = contents_.texts.find(fmt::format("{}{}", structure, word));
     if (found == contents_.texts.end()) continue;
@@ -66,6 +100,14 @@ std::string MatLabels::unit_of(std::string_view array) const {
     return may_be ? unit : std::string();
   }
   return {};
+}
+
+bool MatLabels::rows_are_samples(std::uint64_t rows, std::uint64_t columns, bool named) const {
+  constexpr std::uint64_t fewest = 8, many_times = 4;
+  const auto [channels, samples] = std::minmax(rows, columns);
+  if (channels == samples) return false;
+  if (lengths_of_times_.contains(samples)) return true;
+  return samples >= fewest && samples / many_times >= channels && (named || tells_rate_);
 }
 
 std::vector<std::string> MatLabels::channels_of(std::string_view array,

@@ -23,6 +23,8 @@ namespace {
 constexpr double latest_start = 1e4;  ///< [s]; larger numbers may be dates in days or seconds
 /// Tektronix DPO: of times, one only beside the other.
 constexpr std::string_view spacing_word = "spacing", spacing_start_word = "starttime";
+/// BIOPAC AcqKnowledge: with `isi_units` the interval of samples, elsewhere that of stimuli.
+constexpr std::string_view biopac_word = "isi";
 
 /// "run" of "run.force", "/entry" of "/entry/force"; "" of what stands at the top.
 std::string_view group_of(std::string_view name) {
@@ -30,9 +32,27 @@ std::string_view group_of(std::string_view name) {
   return end == std::string_view::npos ? std::string_view{} : name.substr(0, end);
 }
 
+/// "2" of "force2", "_2" of "force_2"; "" of what ends otherwise, or is a number.
+std::string_view number_behind(std::string_view name) {
+  const std::size_t last = name.find_last_not_of("0123456789");
+  if (last == std::string_view::npos || last + 1 == name.size()) return {};
+  return name.substr(name[last] == '_' && last > 0 ? last : last + 1);
+}
+
+/// "#2" of "t2" and "time2", of which all that ends in 2 may be, in its group.
+std::string whose_numbered_time(std::string_view name) {
+  const std::string_view number = number_behind(name);
+  const std::string_view stem = name.substr(0, name.size() - number.size());
+  const std::size_t end = end_of_group(name);
+  const std::string_view word = stem.substr(end == std::string_view::npos ? 0 : end + 1);
+  if (number.empty() || (word != "t" && lowered(word) != "time")) return {};
+  return fmt::format("{}#{}", lowered(stem.substr(0, stem.size() - word.size())), number);
+}
+
 /// "force" of "t_force", "time_force" and "force_time", "Data1_force" of "Data1_time_force": what
 /// an array is the time of by its name, in lower case; "" of other names. "x_t" is a derivative.
 std::string whose_time(std::string_view name) {
+  if (std::string numbered = whose_numbered_time(name); !numbered.empty()) return numbered;
   const std::size_t end = end_of_group(name);
   const std::size_t begin = end == std::string_view::npos ? 0 : end + 1;
   std::string rest = lowered(name.substr(0, begin));
@@ -81,6 +101,7 @@ struct TimesFound {
   ArrayClock clock;
   bool usable = false;
   std::string unusable;  ///< why not
+  std::string why;       ///< they are taken as times
 };
 
 class ClockFinder {
@@ -127,8 +148,10 @@ class ClockFinder {
       }
       const auto times = [&](const std::string& group) { return by_times(i, group); };
       const auto number = [&](const std::string& group) { return by_number(i, group); };
-      if (!std::ranges::any_of(groups, times) && !by_own_times(i))
-        std::ranges::any_of(groups, number);
+      const auto said = [&](const std::string& group) { return has_said_times(i, group); };
+      const bool any = (!std::ranges::any_of(groups, said) && by_own_times(i)) ||
+                       std::ranges::any_of(groups, times) || by_own_times(i);
+      if (!any) std::ranges::any_of(groups, number);
     }
     for (const auto& [whose, times] : own_times_)
       if (const auto axis = axes_.find(times); axis != axes_.end() && axis->second.usable)
@@ -181,7 +204,8 @@ class ClockFinder {
 
   void take_number(const std::string& word, const std::string& group, std::size_t index) {
     const bool spaced = spaced_.contains(group);
-    const bool interval = is_interval_word(word) || (spaced && word == spacing_word);
+    const bool interval = is_interval_word(word) || (spaced && word == spacing_word) ||
+                          (word == biopac_word && arrays_[index].has_unit);
     const bool start = is_start_word(word);
     if (!interval && !start && !is_rate_word(word)) return;
     Ends value;
@@ -240,18 +264,22 @@ class ClockFinder {
       const double step = (first.last - first.first) /
                           static_cast<double>(std::max<std::uint64_t>(first.count, 2) - 1);
       if (!first.increasing || second.increasing || step == 1.0) continue;
-      const TimesFound times = look_at(i, "the first column, since it increases evenly", true);
-      axes_[i] = times;
+      axes_[i] = look_at(i, "the first column, since it increases evenly", true);
       for (std::size_t k = i; k < arrays_.size() && arrays_[k].name.starts_with(matrix); ++k)
         use_times(k, i, {});
     }
   }
 
-  /// Of arrays without a clock beside times that are a few more or fewer.
+  /// Of arrays without a clock, or that have it of a number, beside times that are a few more or
+  /// fewer.
   void tell_other_lengths() {
+    std::set<std::size_t> told;
     for (std::size_t i = 0; i < arrays_.size(); ++i) {
       ArrayClock& clock = result_.clocks[i];
-      if (arrays_[i].samples < 2 || clock.interval > 0.0 || !clock.unusable.empty()) continue;
+      const auto number = by_numbers_.find(i);
+      const bool open = number != by_numbers_.end() ||
+                        (clock.interval == 0.0 && !clock.times && clock.unusable.empty());
+      if (arrays_[i].samples < 2 || !open) continue;
       const std::string group(group_of(arrays_[i].name));
       const auto found = times_.lower_bound(std::pair(group, std::uint64_t{0}));
       if (found == times_.end() || found->first.first != group) continue;
@@ -259,8 +287,15 @@ class ClockFinder {
       const auto beside = static_cast<double>(arrays_[times].samples);
       const auto samples = static_cast<double>(arrays_[i].samples);
       if (beside == samples || std::abs(beside - samples) > std::max(1.0, 0.01 * samples)) continue;
-      clock.unusable = fmt::format("'{}' with {} numbers for {} samples", arrays_[times].name,
-                                   arrays_[times].samples, arrays_[i].samples);
+      if (number == by_numbers_.end())
+        clock.unusable = fmt::format("'{}' with {} numbers for {} samples", arrays_[times].name,
+                                     arrays_[times].samples, arrays_[i].samples);
+      else if (told.insert(times).second)
+        result_.warnings.push_back(fmt::format(
+            "'{}' has {} numbers and '{}' {} samples, so they are not taken as its times: '{}' "
+            "tells the interval",
+            arrays_[times].name, arrays_[times].samples, arrays_[i].name, arrays_[i].samples,
+            arrays_[number->second].name));
     }
   }
 
@@ -283,10 +318,23 @@ class ClockFinder {
   }
 
   bool by_own_times(std::size_t index) {
-    const auto found =
-        own_times_.find(std::pair(lowered(arrays_[index].name), arrays_[index].samples));
-    return found != own_times_.end() && found->second != index &&
-           ends_of(found->second).increasing && use_times(index, found->second, "by its name");
+    const std::string& name = arrays_[index].name;
+    const std::size_t end = end_of_group(name);
+    const std::string group = lowered(name.substr(0, end == std::string::npos ? 0 : end + 1));
+    const auto by = [&](std::string whose) {
+      const auto found = own_times_.find(std::pair(std::move(whose), arrays_[index].samples));
+      return found != own_times_.end() && found->second != index &&
+             ends_of(found->second).increasing && use_times(index, found->second, "by its name");
+    };
+    return by(lowered(name)) || by(fmt::format("{}#{}", group, number_behind(name)));
+  }
+
+  /// Of which the file says that they are, not their name alone.
+  bool has_said_times(std::size_t index, const std::string& group) const {
+    const auto found = times_.find(std::pair(group, arrays_[index].samples));
+    return found != times_.end() && std::ranges::any_of(found->second, [this](std::size_t times) {
+             return arrays_[times].time;
+           });
   }
 
   bool by_times(std::size_t index, const std::string& group) {
@@ -296,7 +344,7 @@ class ClockFinder {
       if (!use_times(index, times, arrays_[times].time ? "as the file says" : "by its name"))
         continue;
       compare_with_times(times, found->second);
-      compare_with_number(times, std::string(group_of(arrays_[index].name)));
+      if (times != index) compare_with_number(times, std::string(group_of(arrays_[index].name)));
       return true;
     }
     return false;
@@ -331,6 +379,8 @@ class ClockFinder {
     auto [found, is_new] = axes_.try_emplace(times);
     TimesFound& axis = found->second;
     if (is_new) axis = look_at(times, why);
+    if (axis.usable && (index != times || wanted_) && told_times_.insert(times).second)
+      told(times, axis.why);
     if (axis.usable)
       result_.clocks[index] = axis.clock;
     else if (result_.clocks[index].unusable.empty())
@@ -378,7 +428,7 @@ class ClockFinder {
     found.clock.seconds = unit;
     if (!check.uniform()) found.clock.times = index;
     found.usable = true;
-    told(index, why);
+    found.why = why;
     return found;
   }
 
@@ -396,6 +446,7 @@ class ClockFinder {
     const auto found = intervals_.find(group);
     if (found == intervals_.end()) return false;
     clock.interval = found->second.first;
+    by_numbers_.emplace(index, found->second.second);
     const auto start = starts_.find(group);
     const std::size_t source = found->second.second;
     if (start != starts_.end()) {
@@ -435,7 +486,8 @@ class ClockFinder {
   std::map<std::pair<std::string, std::uint64_t>, std::size_t> own_times_;
   std::set<std::string> spaced_;  ///< groups
   std::map<std::size_t, TimesFound> axes_;
-  std::set<std::size_t> told_numbers_;
+  std::map<std::size_t, std::size_t> by_numbers_;  ///< the number that an array's clock is of
+  std::set<std::size_t> told_numbers_, told_times_;
   std::set<std::size_t> compared_times_;
   std::set<std::pair<std::size_t, std::size_t>> compared_;  ///< times and a number
 };

@@ -258,6 +258,21 @@ TEST(Csv, ColumnsBehindASecondTimeColumnHaveItsClock) {
   EXPECT_THAT(record.warnings, IsEmpty());
 }
 
+TEST(Csv, ATimeColumnMayBeNamedAfterTheNextColumn) {
+  for (const char* names : {"t,force,t_acc,acc", "t_F,F,t_A,A", "tF,F,tA,A"}) {
+    const Record record = imported(std::string(names) +
+                                   "\n0.000,1.5,0.5,2.5\n0.001,1.6,2.5,2.6\n0.002,1.7,4.5,2.7\n");
+    ASSERT_EQ(record.channels.size(), 2U) << names;
+    EXPECT_EQ(record.channels[0].clock.interval, 1e-3);
+    EXPECT_EQ(record.channels[1].clock.start, 0.5);
+    EXPECT_EQ(record.channels[1].clock.interval, 2.0);
+    for (const std::string& warning : record.warnings)
+      EXPECT_THAT(warning, HasSubstr("states no unit: it is taken as s"));
+  }
+  EXPECT_EQ(imported("t,t_oil,v\n0,20,1\n1,21,2\n2,22,3\n").channels.size(), 2U)
+      << "the time of no other column";
+}
+
 TEST(Csv, ASecondTimeColumnOfTheSameTimesIsNoOtherClock) {
   const Record record =
       imported("Time [s],Force [N],Time [s],Vel [m/s]\n0,1.5,0,2.5\n1,1.6,1,2.6\n5,1.7,5,2.7\n");

@@ -389,6 +389,23 @@ TEST(Hdf5Facts, ADataSetMayStateItsStartWhereItsGroupStatesTheRate) {
   EXPECT_EQ(record.channels.at(0).clock.interval, 1e-3);
 }
 
+// [CF 1.11, 4.4; ACDD 1.3, time_coverage_start]
+TEST(Hdf5Facts, AStartMayBeThatOfItsTimesOrOfTheFile) {
+  const auto started = [](const char* units, const char* key, const char* start) {
+    const Hdf5File file;
+    file.doubles("/time", {0, 0.5, 1});
+    file.text("/time", "units", units);
+    file.doubles("/force", {1, 2, 3});
+    if (*key != '\0') file.text("/", key, start);
+    return imported(file.bytes()).started;
+  };
+  EXPECT_EQ(started("ms since 2021-03-12 10:11:12", "", ""), "2021-03-12T10:11:12");
+  EXPECT_EQ(started("seconds since 1970-01-01 00:00:00", "", ""), "");
+  EXPECT_EQ(started("s", "start_time", "2021-03-12T10:11:12Z"), "2021-03-12T10:11:12Z");
+  EXPECT_EQ(started("s", "time_coverage_start", "2021-03-12T10:11:12Z"), "2021-03-12T10:11:12Z");
+  EXPECT_EQ(started("s", "start_time", "0.5"), "");
+}
+
 TEST(Hdf5Facts, IntegersMayCountNanosecondsFrom1970) {
   const Hdf5File file;
   file.doubles("/force", {1, 2, 3});

@@ -40,6 +40,42 @@ TEST_P(Mat, TimesByNameOfTheOwnGroupFirst) {
             "time (by its name); run.t (by its name); dt (an interval of 0.125 s by its name)");
 }
 
+TEST_P(Mat, TimesOfOneArrayCountBeforeThoseOfAll) {
+  const std::vector<double> slow = {-1, 1, 3}, fast = {0, 0.25, 0.5};
+  const auto record = imported(b.header() + b.doubles("t", fast) + b.doubles("force", {1, 2, 3}) +
+                               b.doubles("t_acc", slow) + b.doubles("acc", {4, 5, 6}) +
+                               b.doubles("time2", slow) + b.doubles("force2", {7, 8, 7}) +
+                               b.doubles("t_3", slow) + b.doubles("v_3", {1, 0, 1}));
+  EXPECT_EQ(record.find("force")->clock.interval, 0.25);
+  for (const char* name : {"acc", "t_acc", "force2", "time2", "v_3", "t_3"}) {
+    EXPECT_EQ(record.find(name)->clock.start, -1.0) << name;
+    EXPECT_EQ(record.find(name)->clock.interval, 2.0) << name;
+  }
+}
+
+TEST_P(Mat, TimesOfAnotherLengthBesideARateAreToldOf) {
+  const auto record = imported(b.header() + b.doubles("t", {-1, -0.5, 0, 0.5}) +
+                               b.doubles("force", {1, 2, 3}) + b.doubles("fs", {5}));
+  EXPECT_EQ(record.find("force")->clock.interval, 0.2);
+  EXPECT_THAT(record.warnings,
+              Contains("'t' has 4 numbers and 'force' 3 samples, so they are not taken as its "
+                       "times: 'fs' tells the interval"));
+  EXPECT_EQ(record.attributes.at("time column"), "fs (an interval of 0.2 s by its name)");
+}
+
+TEST_P(Mat, UnitsMayBeWrittenInTheCamelsWay) {
+  const auto record =
+      imported(b.header() + b.doubles("time", {0, 0.5, 1}) + b.text("TimeUnit", "ms") +
+               b.doubles("force", {1, 2, 3}) + b.text("ForceUnit", "kN"));
+  EXPECT_EQ(record.find("force")->clock.interval, 0.5e-3);
+  EXPECT_EQ(record.find("force")->unit, "kN");
+  EXPECT_THAT(record.warnings, ElementsAre());
+  const auto two = imported(b.header() + b.doubles("f", {1, 2}) + b.doubles("F", {1, 2}) +
+                            b.text("F_unit", "kN") + b.doubles("dt", {1}));
+  EXPECT_EQ(two.channels[0].unit, "");
+  EXPECT_EQ(two.channels[1].unit, "kN");
+}
+
 TEST_P(Mat, TimesMayStandAroundAStructure) {
   const auto record = imported(b.header() +
                                b.structure("run", {"t", "laser"},
@@ -202,54 +238,6 @@ TEST_P(Mat, TimesMayCountFrom1970) {
   EXPECT_THAT(
       record.warnings,
       Contains(HasSubstr("'timestamp' states no unit; by their size its numbers count ms")));
-}
-
-/// A Simcenter Testlab export: an axis as start and increment, in the unit of its label.
-std::string testlab(const MatBytes& b, const std::string& label) {
-  const std::string axis =
-      b.structure("", {"start_value", "increment", "number_of_values", "quantity"},
-                  b.doubles("", {-0.5}) + b.doubles("", {0.25}) + b.doubles("", {3}) +
-                      b.structure("", {"label"}, b.text("", label)));
-  const std::string values =
-      b.structure("", {"values", "quantity"},
-                  b.doubles("", {1, 2, 3}) + b.structure("", {"label"}, b.text("", "g")));
-  return b.header() + b.structure("Signal_0", {"x_values", "y_values"}, axis + values);
-}
-
-TEST_P(Mat, AnAxisOfTestlabIsTheClock) {
-  const auto named = [](const datasets::Record& record) {
-    return *std::ranges::find(record.channels, "Signal_0.y_values.values",
-                              &datasets::Channel::name);
-  };
-  const auto channel = named(imported(testlab(b, "s")));
-  EXPECT_EQ(channel.clock.start, -0.5);
-  EXPECT_EQ(channel.clock.interval, 0.25);
-  EXPECT_EQ(channel.unit, "") << "values may be in SI or in the unit of the label";
-  const auto spectrum = named(imported(testlab(b, "Hz")));
-  EXPECT_EQ(spectrum.clock.interval, 0.0);
-  EXPECT_EQ(spectrum.attributes.at("domain"), "frequency");
-  EXPECT_EQ(spectrum.attributes.at("abscissa increment"), "0.25");
-}
-
-TEST_P(Mat, AHeaderOfPulseIsThatOfItsChannels) {
-  const auto file = [this](const std::string& rate) {
-    return b.header() +
-           b.structure("File_Header", {"NumberOfChannels", "SampleFrequency"},
-                       b.text("", "1") + b.text("", rate)) +
-           b.structure("Channel_1_Header", {"SignalName", "Unit"},
-                       b.text("", "Hammer") + b.text("", "N")) +
-           b.doubles("Channel_1_Data", {1, 2, 3});
-  };
-  for (const char* rate : {"2048", "2048,0", "2048 2048"}) {
-    const auto record = imported(file(rate));
-    ASSERT_EQ(record.channels.size(), 1U);
-    EXPECT_EQ(record.channels[0].name, "Hammer");
-    EXPECT_EQ(record.channels[0].unit, "N");
-    EXPECT_EQ(record.channels[0].quantity, datasets::Quantity::force);
-    EXPECT_EQ(record.channels[0].clock.interval, 1.0 / 2048.0) << rate;
-    EXPECT_EQ(record.channels[0].attributes.at("array"), "Channel_1_Data");
-  }
-  EXPECT_EQ(imported(file("2048 4096")).channels.at(0).clock.interval, 0.0);
 }
 
 TEST_P(Mat, UnevenTimesAreKept) {

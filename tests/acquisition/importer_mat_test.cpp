@@ -183,6 +183,15 @@ TEST_P(Mat, LongMatricesAreChannelsSmallOnesAreNot) {
   const auto small = imported(b.header() + b.doubles("m", values, 3));
   ASSERT_EQ(small.channels.size(), 1U);
   EXPECT_EQ(small.channels[0].size(), 300U);
+  EXPECT_THAT(small.warnings,
+              Contains("'m' is one channel, column behind column: of 100 x 3 numbers nothing tells "
+                       "that they are samples of several (times of that length, an interval or a "
+                       "rate do)"));
+  EXPECT_EQ(
+      imported(b.header() + b.doubles("m", values, 3) + b.doubles("fs", {1e3})).channels[0].size(),
+      100U);
+  const auto matrix = imported(b.header() + b.doubles("m", {1, 2, 3, 4}, 2) + b.doubles("fs", {1}));
+  EXPECT_EQ(matrix.channels[0].size(), 4U) << "no more samples than channels";
 }
 
 TEST_P(Mat, MoreThanTwoDimensionsAreOneChannelAndToldOf) {

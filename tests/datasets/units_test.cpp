@@ -101,6 +101,13 @@ TEST(Units, MayBeginWithAMultiplicationSign) {
   EXPECT_DOUBLE_EQ(factor("\u00d710\u207b\u00b3 m/s", "m/s"), 1e-3);
 }
 
+TEST(Units, OfGForceAreThoseOfAcceleration) {
+  for (const char* spelling : {"g-force", "g force", "G-Force", "g_force", "gforce", "g-forces"})
+    EXPECT_DOUBLE_EQ(factor(spelling, "m/s^2"), 9.80665) << spelling;
+  for (const char* spelling : {"kg-force", "kgf", "lb-force"})
+    EXPECT_EQ(quantity_of_unit(spelling), Quantity::force) << spelling;
+}
+
 TEST(Units, AreNotMultipliedByRemarks) {
   EXPECT_EQ(factor("N (2%)", "N"), 1.0);
   EXPECT_EQ(factor("N (100)", "N"), 1.0);
