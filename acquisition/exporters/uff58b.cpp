@@ -92,6 +92,14 @@ bool survives(double value) {
   return number_in(fmt::format("{:13.5E}", value)) == value;
 }
 
+/// "m/s^2" of a frequency response in "(m/s^2)/(N)", which has "N" for its denominator.
+std::string ordinate_unit(const Channel& channel) {
+  const std::string below = fmt::format(")/({})", attribute(channel, "denominator unit"));
+  const std::string& unit = channel.unit;
+  if (!unit.starts_with('(') || !unit.ends_with(below)) return unit;
+  return unit.substr(1, unit.size() - 1 - below.size());
+}
+
 void print_header(OutputFile& out, const std::string& path, const Record& record,
                   const OutgoingChannel& outgoing, const Form& form) {
   const Channel& channel = *outgoing.head;
@@ -125,7 +133,7 @@ void print_header(OutputFile& out, const std::string& path, const Record& record
          label(attribute(channel, "abscissa label"), 20),
          field(path, "the abscissa's unit", attribute(channel, "abscissa unit"), 20));
   }
-  const UnitText unit = unit_text(channel.unit, 20);
+  const UnitText unit = unit_text(ordinate_unit(channel), 20);
   std::string ordinate = attribute(channel, "ordinate label");
   if (ordinate.empty()) ordinate = unit.comment;
   if (ordinate.empty()) ordinate = datasets::name(channel.quantity);

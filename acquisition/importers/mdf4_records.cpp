@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "acquisition/importers/time_axis.hpp"
+#include "acquisition/importers/wide_integers.hpp"
 
 namespace impactrig::acquisition {
 
@@ -88,6 +89,7 @@ class MdfRecording final : public RecordingReader {
     record.channels.clear();
     const std::vector<std::size_t> chosen = selected_channels(head_, wanted);
     for (const std::size_t index : chosen) record.channels.push_back(head_.record.channels[index]);
+    wide_.assign(chosen.size(), {});
     std::vector<std::vector<std::size_t>> of_group(groups_.size());  // places in `chosen`
     for (std::size_t i = 0; i < chosen.size(); ++i)
       of_group[channels_[chosen[i]].group].push_back(i);
@@ -111,6 +113,9 @@ class MdfRecording final : public RecordingReader {
       for (const std::size_t i : of_group[g]) record.channels[i].clock = clock;
       hand_over(group, bytes, range, chosen, of_group[g], sink);
     }
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      if (const std::string told = wide_[i].warning(record.channels[i].name); !told.empty())
+        tell(told, record);
     return record;
   }
 
@@ -292,6 +297,7 @@ class MdfRecording final : public RecordingReader {
     };
     if (channel.scaling || field.shape != MdfField::Shape::number) {
       read(doubles_);
+      if (field.is_wide()) wide_[place].look(doubles_);
       if (channel.scaling) channel.scaling(doubles_);
     } else if (field.kind == NumberKind::i8 || field.kind == NumberKind::u8 ||
                field.kind == NumberKind::i16) {
@@ -303,6 +309,7 @@ class MdfRecording final : public RecordingReader {
       read(floats_);
     } else {
       read(doubles_);
+      if (field.is_wide()) wide_[place].look(doubles_);
     }
     if (field.complex) {
       MdfField imaginary = field;
@@ -337,6 +344,7 @@ class MdfRecording final : public RecordingReader {
   std::vector<double> imaginary_;
   std::vector<double> times_;
   std::vector<std::uint8_t> valid_;
+  std::vector<WideIntegers> wide_;  ///< of the channels asked for
 };
 
 }  // namespace

@@ -31,6 +31,12 @@ struct MdfField {
   std::uint32_t bit = 0;         ///< bits: of its lowest bit
   std::uint32_t bit_count = 64;  ///< bits
 
+  /// Integers that a double may not hold.
+  bool is_wide() const {
+    if (shape == Shape::bits) return bit_count > 53;
+    return shape == Shape::number && (kind == NumberKind::u64 || kind == NumberKind::i64);
+  }
+
   std::uint64_t bytes() const { return (complex ? 2 : 1) * bytes_of_part(); }
 
   /// Of the real part, and of the imaginary one.

@@ -235,6 +235,24 @@ TEST(Uff58bExport, KeepsComplexSpectra) {
     EXPECT_EQ(back.channels[0].attributes.at(key), value) << key;
 }
 
+// The file has the denominator in a line of its own.
+TEST(Uff58bExport, DividesTheUnitOfAFrequencyResponseOnce) {
+  Record record = example(8);
+  record.channels.resize(1);
+  Channel& channel = record.channels[0];
+  channel.clock = {};
+  channel.unit = "(m/s^2)/(N)";
+  channel.quantity = Quantity::other;
+  channel.attributes = {{"domain", "frequency"},
+                        {"function", "frequency response function"},
+                        {"abscissa unit", "Hz"},
+                        {"abscissa increment", "0.25"},
+                        {"denominator unit", "N"}};
+  const Record back = round_trip(record, ".uff");
+  EXPECT_EQ(back.channels[0].unit, "(m/s^2)/(N)");
+  EXPECT_EQ(back.channels[0].attributes.at("denominator unit"), "N");
+}
+
 // 13 digits are what E20.12 has.
 TEST(Uff58Export, KeepsThirteenDigits) {
   const Record record = example();

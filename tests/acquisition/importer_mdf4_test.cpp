@@ -85,6 +85,13 @@ TEST_P(MdfInBothByteOrders, BitsMayBeginAndEndWithinABytes) {
   EXPECT_THAT(read_as(signed_, 64, nine, 1), ElementsAre(-9223372036854775808.0));
 }
 
+TEST_P(MdfInBothByteOrders, IntegersThatADoubleDoesNotHoldAreToldOf) {
+  const std::string records = numbers(std::vector<std::uint64_t>{9007199254740995, 7});
+  EXPECT_THAT(imported(mdf_file_of({mdf_channel("a", unsigned_, 64, 0)}, records, 8)).warnings,
+              testing::Contains("'a': 1 sample is beyond 2^53, where doubles do not hold every "
+                                "integer: it is rounded to 16 digits"));
+}
+
 TEST_P(MdfInBothByteOrders, ComplexNumbersHaveTwoParts) {
   const std::string records =
       numbers(std::vector<float>{1, 2}) + numbers(std::vector<double>{3, 4});
