@@ -216,6 +216,7 @@ void RunSensitivities::see_points() {
 }
 
 void RunSensitivities::peak(double part) {
+  peak_part_ = part;
   look(part);
   const Seen& seen = seen_[0];
   for (int i = 0; i < count(); ++i) {
@@ -228,6 +229,7 @@ void RunSensitivities::peak(double part) {
 }
 
 void RunSensitivities::deepest(double part, double dissipated) {
+  deepest_part_ = part;
   look(part);
   dissipated_at_deepest_ = dissipated;
   for (int i = 0; i < count(); ++i) {
@@ -357,6 +359,18 @@ void RunSensitivities::see_sensor_peak_at_end(int i, double shift) {
   direction(i).result.sensor_peak_force = spots.sensor_force + shift * spots.sensor_force_rate;
 }
 
+/// Likewise of a force and a penetration that rise up to there: within a step they are flat where
+/// they are largest.
+void RunSensitivities::move_largest_at_end(int i, double shift, double part) {
+  if (shift == 0.0) return;
+  const Seen& seen = seen_[0];
+  Sensitivity& result = direction(i).result;
+  if (peak_part_ >= part)
+    result.peak_force +=
+        shift * (seen.law.to_depth * seen.rate + seen.law.to_rate * seen.acceleration);
+  if (deepest_part_ >= part) result.max_penetration += shift * seen.rate;
+}
+
 void RunSensitivities::take(double part, End end, int stop) {
   look_beyond_jump();
   const std::optional<double> peak = stopped_ ? stopped_->peak_part() : std::nullopt;
@@ -369,12 +383,14 @@ void RunSensitivities::take(double part, End end, int stop) {
     follow_to_place(i);
     const double shift = end_shift(i, end, static_cast<std::size_t>(stop));
     if (peak && *peak >= part) see_sensor_peak_at_end(i, shift);
+    move_largest_at_end(i, shift, part);
     d.force_at_end = shown_force(i, 0, shift);
     d.impulse += integral(d.force[0], part) + shift * place_.force[0];
     d.dissipated += integral(d.dissipation, part) + shift * power;
     d.time += shift;
     move_on(i, shift);
   }
+  peak_part_ = deepest_part_ = -1.0;
 }
 
 void RunSensitivities::separate(const Simulation& result) {

@@ -209,12 +209,14 @@ class RunSensitivities {
   void look_beyond_jump();
   void find_sensor_peak();
   void see_sensor_peak_at_end(int i, double shift);
+  void move_largest_at_end(int i, double shift, double part);
 
   const BarMotion& motion_;
   Eigen::MatrixXd jacobian_;
-  double dissipated_at_deepest_ = 0.0;  // [J]
-  bool jumped_ = false;                 // where the step at hand begins
-  bool touches_ = false;                // there
+  double dissipated_at_deepest_ = 0.0;           // [J]
+  double peak_part_ = -1.0, deepest_part_ = -1.0;  // of the step at hand; none
+  bool jumped_ = false;                          // where the step at hand begins
+  bool touches_ = false;                         // there
 };
 
 }  // namespace impactrig::models

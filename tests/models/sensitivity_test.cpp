@@ -184,6 +184,33 @@ TEST(Sensitivities, OfStatedPowersAreThoseOfDifferences) {
   expect_equal_derivatives(rig, solver, 1e-8, powers, 5e-4);
 }
 
+// What is largest at the run's end is so at a time that is held, though the second contact's
+// touch, from which the last steps count, moves.
+TEST(Sensitivities, OfARunThatEndsInItsContactsAreThoseOfDifferences) {
+  Rig rig = damped_rig();
+  FurtherStop second{.contact = rig.contact, .side = StopSide::near, .gap = 2e-6};
+  second.contact.position = 0.5;
+  rig.further_stops = {second};
+  const Solver solver = hybrid(Basis::pinned_free, 3, 1e-12, 2e-5);
+  const auto velocity = [](Rig& r) -> double& { return r.start.velocity; };
+  const Simulation run = small(rig, solver, {velocity});
+  ASSERT_EQ(run.episodes.size(), 2u);
+  ASSERT_TRUE(run.episodes[0].open && run.episodes[1].open);
+  ASSERT_EQ(run.episodes[0].peak_time, solver.duration);
+  const double spacing = 1e-3 * rig.start.velocity;
+  double peak = 0.0, depth = 0.0;
+  for (const auto& [offset, weight] : {std::pair{1, 45.0}, {2, -9.0}, {3, 1.0}})
+    for (const double side : {1.0, -1.0}) {
+      Rig there = rig;
+      there.start.velocity += side * offset * spacing;
+      const Episode first = small(there, solver).episodes.front();
+      peak += side * weight / (60.0 * spacing) * first.peak_force;
+      depth += side * weight / (60.0 * spacing) * first.max_penetration;
+    }
+  EXPECT_NEAR(run.sensitivities[0].peak_force / peak, 1.0, 1e-8);
+  EXPECT_NEAR(run.sensitivities[0].max_penetration / depth, 1.0, 1e-8);
+}
+
 // A weightless rigid bar has no frequency to measure changes against, without a damper no rate at
 // all.
 TEST(Sensitivities, OfARigidBarWithADamperAreThoseOfDifferences) {
