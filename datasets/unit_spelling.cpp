@@ -313,6 +313,16 @@ bool ends_with_a_number_in_parentheses(std::string_view text) {
          is_digit(text[number]);
 }
 
+/// Parentheses, of which UDUNITS-2 passes over one too many.
+bool are_paired(std::string_view text) {
+  int depth = 0;
+  for (const char c : text) {
+    depth += c == '(' ? 1 : c == ')' ? -1 : 0;
+    if (depth < 0) return false;
+  }
+  return depth == 0;
+}
+
 /// "% mV/N": an uncertainty beside a unit, which UDUNITS-2 would multiply by a hundredth.
 bool has_percent_of_a_unit(std::string_view text) {
   const std::size_t at = text.find('%');
@@ -398,7 +408,7 @@ std::vector<std::string> spellings_of(std::string_view unit) {
   std::vector<std::string> spellings;
   for (const std::string_view candidate : {std::string_view(text), without_comment(text)})
     if (!begins_with_a_name(candidate) && !ends_with_a_number_in_parentheses(candidate) &&
-        !has_percent_of_a_unit(candidate))
+        !has_percent_of_a_unit(candidate) && are_paired(candidate))
       spellings.push_back(with_words_replaced(with_words_replaced(candidate, translations), words));
   return spellings;
 }

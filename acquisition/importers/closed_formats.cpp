@@ -98,7 +98,7 @@ constexpr auto signatures = std::to_array<Signature>({
     {0, "FORMAT", "an MTS RPC III time history (.rsp, .rpc, .drv)",
      "export it as MATLAB (.mat) or text with the RPC software", "NUM_HEADER_BLOCKS"},
     {0, "Format,", "a GW Instek waveform (.lsf), whose samples are binary", from_the_oscilloscope,
-     "Memory Length,"},
+     ";Memory Length,"},  // its CSV has a line a key
     {0, "DATASET ",
      "the header of a DADiSP or TEAC data set, whose samples are in the .dat beside it",
      "export it as text or MATLAB (.mat) with the program that wrote it", "STORAGE_MODE"},

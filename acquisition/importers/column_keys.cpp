@@ -343,7 +343,7 @@ bool is_horizontal_unit_key(std::string_view key) {
 bool is_vertical_unit_key(std::string_view key) {
   constexpr auto words = std::to_array<std::string_view>(
       {"vertical units", "vertical unit", "vert units", "y units", "y unit", "yunits", "yunit",
-       "vunit", "unitname", "y axis unit", "y axis units"});
+       "vunit", "unitname", "y axis unit", "y axis units", "amplitudeunit"});
   return std::ranges::find(words, normalized_key(key)) != words.end();
 }
 

@@ -313,7 +313,7 @@ Record read_whole(CsvHead& csv, const ImportOptions& options) {
   const CsvRoles& roles = csv.roles;
   for (std::string told :
        {cut_row(csv.file, table), comment_between(csv.file, table), head_between(csv.file, table),
-        missing_rows(csv.announced(), table.rows)})
+        remarks_behind(csv.file, table), missing_rows(csv.announced(), table.rows)})
     if (!told.empty()) record.warnings.push_back(std::move(told));
 
   const std::vector<ClockColumns> clocks = roles.clocks(csv.heads.size());

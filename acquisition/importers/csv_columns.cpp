@@ -202,7 +202,10 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
     const bool vertical = is_vertical_unit_key(key);
     const bool horizontal = is_horizontal_unit_key(key);
     auto units = values_of_key(value, delimiter);
-    if (units.empty() || (delimiter == '\t' && units.size() != channels)) units = {value};
+    const bool beside_first =
+        vertical && roles.time.value_or(0) == 0 && units.size() + 1 == heads.size();
+    if (units.empty() || (delimiter == '\t' && units.size() != channels && !beside_first))
+      units = {value};
     const bool are_units = word == "unit" || word == "units";
     if (are_units && units.size() != heads.size()) {
       auto divided = cells_of(value, ',');
@@ -219,12 +222,14 @@ void take_units_of_keys(const TableHead& head, const CsvRoles& roles, char delim
       heads[*roles.time].unit = unit_of_times(without_channel(units.front()));
     if (!vertical && !one_each) continue;
     // the key stands over the times, and a further block has a key and times of its own
-    const bool by_column = vertical && roles.time == 0 && units.size() + 1 == heads.size();
+    const bool by_column = beside_first && units.size() + 1 == heads.size();
     std::size_t channel = 0;
     for (std::size_t c = 0; c < heads.size(); ++c) {
       if (!roles.is_channel(c)) continue;
-      const std::size_t at = units.size() == 1 ? 0 : by_column ? c - 1 : channel;
-      if (heads[c].unit.empty() && at < units.size()) heads[c].unit = without_channel(units[at]);
+      const std::size_t at = by_column ? c - 1 : units.size() == 1 ? 0 : channel;
+      constexpr std::string_view none = "*";  // of LabChart
+      if (heads[c].unit.empty() && at < units.size() && units[at] != none)
+        heads[c].unit = without_channel(units[at]);
       ++channel;
     }
   }

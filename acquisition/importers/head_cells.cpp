@@ -70,6 +70,9 @@ std::string_view without_comment_sign(std::string_view line) {
   if (!comment && text.starts_with("; ") && text.find(';', 1) == text.npos &&
       text.find(':') != text.npos)
     text.remove_prefix(2);
+  else if (!comment && text.starts_with(';') && text.find(';', 1) == text.npos &&
+           std::ranges::count(text, ',') > 1)  // ";Headers, time,Ax,Ay" of Gulf Coast Data Concepts
+    text.remove_prefix(1);
   // blanks are kept where the line is no comment: an empty first cell counts
   return comment || text.size() != trimmed(line).size() ? trimmed(text) : line;
 }

@@ -15,12 +15,12 @@ namespace {
 
 /// Words for names, the surer the sooner; the last ones may stand before a title too.
 constexpr auto name_labels = std::to_array<std::string_view>(
-    {"name",         "names",       "channel name", "channel names", "signal name",
-     "signal names", "channelname", "channeltitle", "tracename",     "trace name",
-     "kanalname",    "labels",      "signal",       "signals",       "variable",
-     "variables",    "channel",     "channels",     "kanal",         "label",
-     "trace",        "title",       "titles",       "series",        "bezeichnung"});
-constexpr std::size_t sure_labels = 20;  // of them
+    {"name",        "names",        "channel name", "channel names", "signal name", "signal names",
+     "channelname", "channeltitle", "tracename",    "trace name",    "kanalname",   "headers",
+     "header",      "fields",       "column names", "channel data",  "labels",      "signal",
+     "signals",     "variable",     "variables",    "channel",       "channels",    "kanal",
+     "label",       "trace",        "title",        "titles",        "series",      "bezeichnung"});
+constexpr std::size_t sure_labels = 25;  // of them
 
 std::optional<std::size_t> rank_of_name_label(std::string_view cell) {
   const auto found = std::ranges::find(name_labels, normalized_key(cell));

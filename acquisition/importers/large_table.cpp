@@ -56,7 +56,7 @@ class LargeTableReader final : public RecordingReader {
 
     const Window window = window_of(wanted);
     TimeAxisCheck check = expected_times(wanted);
-    std::string cut, comment, head;
+    std::string cut, comment, head, remarks;
     const std::uint64_t rows = pass(columns, window, [&](Table& piece, Piece part) {
       for (const std::size_t i : filled)
         hand_over(piece.columns[columns[i]], columns[i], part, i, told[i], sink);
@@ -64,13 +64,14 @@ class LargeTableReader final : public RecordingReader {
       if (cut.empty()) cut = cut_row(file(), piece);
       if (comment.empty()) comment = comment_between(file(), piece);
       if (head.empty()) head = head_between(file(), piece);
+      if (remarks.empty()) remarks = remarks_behind(file(), piece);
     });
 
     Record record = head_.record;
     record.channels.clear();
     const std::string fewer =
         wanted.has_window() ? std::string() : missing_rows(table_.announced, rows);
-    for (const std::string& passed : {cut, comment, head, fewer})
+    for (const std::string& passed : {cut, comment, head, remarks, fewer})
       if (!passed.empty()) record.warnings.push_back(passed);
     const datasets::SampleClock clock =
         window.rows ? clock_from_row(window.rows->first, record)

@@ -298,6 +298,7 @@ bool take_names_beside_units(const TableLayout& layout, const std::vector<std::s
 /// "#timebase=40000000(ps),#voltbase=1000000(uV)", of Hantek: no names.
 bool are_keys_with_values(std::string_view line, char delimiter) {
   const HeadCells cells = cells_of(line, delimiter);
+  if (cells.size() > 1 && cells.front().size() > 1 && cells.front().ends_with('=')) return true;
   return trimmed(line).starts_with('#') && std::ranges::all_of(cells, [](std::string_view cell) {
            const std::size_t equals = cell.find('=');
            return equals != cell.npos && equals > 0 && equals + 1 < cell.size() &&

@@ -307,7 +307,7 @@ int recognises_polytec_ascii(std::string_view, std::string_view head) {
   for (int number = 0; number < 64 && at != end; ++number) {
     const std::string_view line = take_line(at, end);
     if (line.starts_with("Signal:\t")) signal = true;
-    if (line.starts_with("X-axis delta:")) return 0;  // of another program's export
+    if (lowered(line.substr(0, 13)) == "x-axis delta:") return 0;  // of PULSE
     if (signal && is_unit_line(line)) return 100;
   }
   return signal ? 90 : 0;

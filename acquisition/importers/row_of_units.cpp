@@ -39,8 +39,11 @@ std::optional<std::string_view> bracketed(std::string_view text) {
   if (text.size() < 2 || text.back() != (text.front() == '[' ? ']' : ')')) return std::nullopt;
   if (text.front() != '[' && text.front() != '(') return std::nullopt;
   const std::string_view inner = text.substr(1, text.size() - 2);
-  if (inner.find_first_of("[]()") != std::string_view::npos && text.front() == '(')
-    return std::nullopt;
+  int depth = 0;  // "(m/(s^2))", but not "(a) (b)"
+  for (const char c : inner) {
+    depth += c == '(' ? 1 : c == ')' ? -1 : 0;
+    if (text.front() == '(' && (depth < 0 || c == '[' || c == ']')) return std::nullopt;
+  }
   return trimmed(inner);
 }
 

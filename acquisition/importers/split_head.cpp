@@ -313,6 +313,23 @@ std::string lowered(std::string_view text) {
 
 namespace {
 
+/// Where the bracket opens that ends a text, those between apart: "(m/(s^2))". The last one where
+/// they do not pair.
+std::size_t opening_of_last(std::string_view text) {
+  const char close = text.back(), open = close == ']' ? '[' : '(';
+  int depth = 0;
+  for (std::size_t i = text.size(); i-- > 0;) {
+    depth += text[i] == close ? 1 : text[i] == open ? -1 : 0;
+    if (depth == 0) return i;
+  }
+  return text.rfind(open);
+}
+
+/// "m/" of "m/(s^2)" is no name.
+bool is_open_product(std::string_view text) {
+  return !text.empty() && std::string_view("/*^").find(text.back()) != text.npos;
+}
+
 /// split_head() by letters and brackets alone.
 ColumnHead divided_head(std::string_view cell) {
   std::string_view text = trimmed(cell);
@@ -334,7 +351,11 @@ ColumnHead divided_head(std::string_view cell) {
   }
   const char close = text.back();
   if (close == ']' || close == ')') {
-    const std::size_t open = text.rfind(close == ']' ? '[' : '(');
+    const std::size_t open = opening_of_last(text);
+    if (is_open_product(text.substr(0, open))) {
+      head.unit = unit_of_name(text);
+      return head;
+    }
     if (open != std::string_view::npos && open > 0) {
       const std::string_view unit =
           without_full_stop(without_in(trimmed(text.substr(open + 1, text.size() - open - 2))));
@@ -352,7 +373,9 @@ ColumnHead divided_head(std::string_view cell) {
       const std::string mended = with_mu(to_utf8(unit));
       const bool counted = ticks && !unit_of_time_by_letters(unit).empty();
       if (close == ']' ? !counts && !are_indices(unit) : (is_unit(mended) || counted) && !of_time) {
-        head.name = to_utf8(trimmed(text.substr(0, open)));
+        std::string_view name = trimmed(text.substr(0, open));
+        if (name.ends_with(" /")) name = trimmed(name.substr(0, name.size() - 1));  // DIN 461
+        head.name = to_utf8(name);
         head.unit = mended;
         constexpr std::string_view no_break = "\u00A0";
         if (head.name.ends_with(no_break)) head.name.resize(head.name.size() - no_break.size());

@@ -373,9 +373,13 @@ bool RowReader::scan_only(std::string_view cell) const {
          integer_in(cell.substr(exponent + 1)).has_value();
 }
 
-/// Only empty cells may follow the last column.
+/// Only empty cells may follow the last column, and a remark: "#* hit", as LabChart writes them.
 void RowReader::finish_row(const char* line) {
   while (at_ != end_ && (is_blank(*at_) || *at_ == delimiter_)) ++at_;
+  if (!at_line_end() && *at_ == '#') {
+    if (table_.remark == nullptr) table_.remark = at_;
+    while (!at_line_end()) ++at_;
+  }
   if (!at_line_end()) {
     const char* const extra = at_;
     const std::string_view rest = trimmed(take_line(at_, end_)).substr(0, 40);
@@ -535,9 +539,18 @@ std::string head_between(TextFile& file, const Table& table) {
   const char* const end = file.text().data() + file.text().size();
   return fmt::format(
       "names or units stand again between the rows, the first time from {} on ('{}'): the rows are "
-      "read as one table",
+      "read as one table, in which only a column of times shows how much time passed there",
       file.position(table.repeated_head).text(),
       to_utf8(trimmed(take_line(at, end)).substr(0, 40)));
+}
+
+std::string remarks_behind(TextFile& file, const Table& table) {
+  if (table.remark == nullptr) return {};
+  const char* at = table.remark;
+  const char* const end = file.text().data() + file.text().size();
+  return fmt::format("remarks behind rows are left out, the first at {}: '{}'",
+                     file.position(table.remark).text(),
+                     to_utf8(trimmed(take_line(at, end)).substr(0, 40)));
 }
 
 std::string cut_row(const TextFile& file, const Table& table) {

@@ -149,6 +149,7 @@ struct Table {
       nullptr;  ///< start of a last row that the file's end cut off; it is left out
   const char* comment = nullptr;  ///< the first line that begins with # or % before another row
   const char* repeated_head = nullptr;  ///< the first line of the head where it stands again
+  const char* remark = nullptr;         ///< the first that stands behind a row, with its #
 };
 
 /// The text up to the end of the last row.
@@ -267,6 +268,9 @@ std::string comment_between(TextFile& file, const Table& table);
 
 /// The same of a head that stands again between rows.
 std::string head_between(TextFile& file, const Table& table);
+
+/// Of remarks behind rows.
+std::string remarks_behind(TextFile& file, const Table& table);
 
 /// Says that the file's end cut a row off; "" when it did not.
 std::string cut_row(const TextFile& file, const Table& table);

@@ -193,6 +193,45 @@ TEST(CsvHeads, OfLabChartAreKeysDividedByTabs) {
   EXPECT_EQ(record.channels.at(0).clock.interval, 0.5);
 }
 
+// [ADInstruments: an export without units ends its head with the ranges]
+TEST(CsvHeads, OfLabChartMayEndInRangesAndHaveNoUnits) {
+  const std::string keys =
+      "Interval=\t0.5 s\nChannelTitle=\tForce\tAcc\nRange=\t10.000 V\t5.000 V\n";
+  const std::string rows = "0.0\t1.5\t4\n0.5\t2.5\t3\n1.0\t0.5\t2\n";
+  EXPECT_THAT(names_and_units(imported(keys + rows)), ElementsAre("Force []", "Acc []"));
+  EXPECT_THAT(names_and_units(imported(keys + "UnitName=\t*\tg\n" + rows)),
+              ElementsAre("Force []", "Acc [g]"));
+  // two blocks, of which the second begins at 0 again
+  const std::string head = keys + "UnitName=\tN\tg\n";
+  EXPECT_THAT(names_and_units(imported(head + rows + head + rows)),
+              ElementsAre("column 0 []", "Force [N]", "Acc [g]"));
+}
+
+// [Gulf Coast Data Concepts, X16-1D user manual, figure 19]
+TEST(CsvHeads, OfGulfCoastDataConceptsNameTheTimeSecond) {
+  const Record record = imported(
+      ";Title, http://www.gcdataconcepts.com, x16-1d, ADXL345\n;Start_time, 2016-01-04, "
+      "10:25:14.000\n;SampleRate, 100,Hz\n;Headers, time,Ax,Ay,Az\n0.003,799,650,-1773\n"
+      "0.013,805,661,-1808\n0.023,816,687,-1844\n");
+  EXPECT_THAT(names_and_units(record), ElementsAre("Ax []", "Ay []", "Az []"));
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(799, 805, 816));
+  EXPECT_NEAR(record.channels[0].clock.start, 0.003, 1e-12);
+  EXPECT_NEAR(record.channels[0].clock.interval, 0.01, 1e-12);
+  EXPECT_EQ(record.started, "2016-01-04T10:25:14");
+}
+
+// [GW Instek, OpenWave-1KB]: a line a key; a waveform in a file of its own kind has them in one.
+TEST(CsvHeads, OfInstekBeginWithTheirFormat) {
+  const Record record = imported(
+      "Format,1.0B,\nMemory Length,3,\nSource,CH1,\nVertical Units,V,\nVertical Scale,1.0,\n"
+      "Horizontal Units,S,\nSampling Period,5.0e-01,\nMode,Detail,\nWaveform Data,\n"
+      "-5.0e-01,1.5,\n0.0,2.5,\n5.0e-01,0.5,\n");
+  ASSERT_EQ(record.channels.size(), 1U);
+  EXPECT_EQ(record.channels[0].unit, "V");
+  EXPECT_EQ(record.channels[0].clock.start, -0.5);
+  EXPECT_EQ(record.channels[0].clock.interval, 0.5);
+}
+
 TEST(CsvHeads, NamesAndUnitsMayStandBehindKeys) {
   for (const char* head :
        {"Channel:,Force,Acc\nUnit:,N,g\n", "Name,Force,Acc\nUnits,N,g\nRange,5,5\n",

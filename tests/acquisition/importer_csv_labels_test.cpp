@@ -304,6 +304,20 @@ TEST(CsvKeys, OfPulseAreNoPolytecExport) {
   ASSERT_FALSE(record.channels.empty());
   EXPECT_EQ(record.channels.back().unit, "N");
   EXPECT_DOUBLE_EQ(record.channels.back().clock.interval, 0.5);
+  const Record labshop = imported(
+      "Header Size:\t9\nDecimal Symbol:\t.\nSignal:\tForce\nAmplitudeUnit:\tN\n"
+      "X-Axis unit:\ts\nX-Axis size:\t3\nX-Axis delta:\t0.5\n1\t0.0e+00\t3.5e-01\n"
+      "2\t5.0e-01\t8.2e-01\n3\t1.0e+00\t3.3e-01\n");
+  EXPECT_EQ(labshop.channels.back().unit, "N");
+  EXPECT_DOUBLE_EQ(labshop.channels.back().clock.interval, 0.5);
+}
+
+TEST(ColumnHead, MayHaveBracketsWithinItsUnit) {
+  EXPECT_EQ(divided("Acc (m/(s^2))"), "Acc|m/(s^2)");
+  EXPECT_EQ(divided("Torque (N*(m))"), "Torque|N*(m)");
+  EXPECT_EQ(divided("Rate (1/(min))"), "Rate|1/(min)");
+  EXPECT_EQ(divided("Acc. / (m/s^2)"), "Acc.|m/s^2");
+  EXPECT_EQ(divided("Force (load cell) (N)"), "Force (load cell)|N");
 }
 
 TEST(ColumnHead, MayHaveItsUnitBehindAColon) {

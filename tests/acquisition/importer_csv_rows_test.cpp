@@ -209,6 +209,14 @@ TEST(Csv, AHeadThatStandsAgainIsPassedOver) {
                                    "are read as one table")));
 }
 
+TEST(Csv, RemarksBehindRowsAreLeftOut) {
+  const Record record = imported("t\ta\n0\t1\n1\t2\t#* hit\n2\t3\n3\t4\t#* rebound\n");
+  EXPECT_THAT(record.channels[0].values(), ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(record.warnings,
+              testing::Contains(HasSubstr("remarks behind rows are left out, the first at ")));
+  EXPECT_THAT(record.warnings, testing::Contains(HasSubstr(":3:5 (byte 12): '#* hit'")));
+}
+
 TEST(Csv, RowsOfTheWrongLengthAreErrors) {
   EXPECT_EQ(import_error("t,a,b\n0,1,2\n1,2,3\n2,3\n3,4,5\n"),
             "FILE:4:1 (byte 18): the row has 2 cells, expected 3 (b is missing)");

@@ -108,6 +108,12 @@ TEST(Units, OfGForceAreThoseOfAcceleration) {
     EXPECT_EQ(quantity_of_unit(spelling), Quantity::force) << spelling;
 }
 
+TEST(Units, HaveParenthesesThatPair) {
+  EXPECT_DOUBLE_EQ(factor("m/(s^2)", "m/s^2"), 1.0);
+  for (const char* spelling : {"s^2)", "m)", "m/(s^2", "(N", "s*s)"})
+    EXPECT_EQ(quantity_of_unit(spelling), Quantity::unknown) << spelling;
+}
+
 TEST(Units, AreNotMultipliedByRemarks) {
   EXPECT_EQ(factor("N (2%)", "N"), 1.0);
   EXPECT_EQ(factor("N (100)", "N"), 1.0);
