@@ -14,6 +14,7 @@
 #include "acquisition/importers/mat73_structures.hpp"
 #include "acquisition/importers/mat_contents.hpp"
 #include "acquisition/importers/mat_labels.hpp"
+#include "acquisition/importers/start_times.hpp"
 #include "acquisition/importers/stated_units.hpp"
 #include "acquisition/importers/text_file.hpp"
 #include "datasets/units.hpp"
@@ -95,9 +96,10 @@ Hdf5Listing without_references(Hdf5Listing listing) {
 
 /// True for what a list of the names of columns is called.
 bool is_names_key(std::string_view key) {
-  constexpr std::array<std::string_view, 9> keys = {"columns",  "column_names",  "columnnames",
-                                                    "channels", "channel_names", "channelnames",
-                                                    "names",    "labels",        "fields"};
+  constexpr std::array<std::string_view, 13> keys = {
+      "columns",      "column_names", "columnnames", "channels", "channel_names",
+      "channelnames", "names",        "labels",      "fields",   "channel",
+      "sensor",       "sensors",      "signals"};
   return std::ranges::find(keys, lowered(key)) != keys.end();
 }
 
@@ -253,28 +255,40 @@ class ChannelMaker {
       if (path.ends_with("/title") && record.title.empty()) record.title = text;
       if (path.ends_with("/start_time") && record.started.empty()) record.started = text;
     }
-    if (record.started.empty()) record.started = start_in_attributes();
+    find_start();
   }
 
-  /// Of the root [ACDD: time_coverage_start], or of times that count from a date [CF 4.4]; not from
-  /// one before 1971, which begins a scale.
-  std::string start_in_attributes() const {
-    const auto root = made_.listing.groups.find("/");
-    if (root != made_.listing.groups.end())
-      for (const char* key : {"start_time", "time_coverage_start"})
-        if (const auto text = root->second.texts.find(key); text != root->second.texts.end())
-          if (const auto start = date_time_in(text->second); start && start->has_date)
-            return start->iso();
+  /// When the recording began, where it does not say so as NeXus does: by attributes of the root
+  /// [ACDD: time_coverage_start], of groups or data sets, or times that count from a date [CF 4.4],
+  /// but one before 1971, which begins a scale. Where they differ the first one found, and told.
+  void find_start() {
+    StartTimes starts;
+    std::string first;
+    const auto add = [&](std::string_view text) {
+      constexpr std::int32_t begin_of_1971 = 365;  // days
+      const auto start = date_time_in(text);
+      if (!start || !start->has_date || start->days[0].value_or(begin_of_1971) < begin_of_1971)
+        return;
+      if (first.empty()) first = start->iso();
+      starts.add(start->iso());
+    };
+    const auto add_attributes = [&](const Hdf5Attributes& attributes) {
+      for (const char* key : {"start_time", "time_coverage_start", "wf_start_time", "start"})
+        if (const auto text = attributes.texts.find(key); text != attributes.texts.end())
+          add(text->second);
+    };
+    for (const auto& [path, group] : made_.listing.groups) add_attributes(group);
     constexpr std::string_view mark = " since ";
-    constexpr std::int32_t begin_of_1971 = 365;  // days
-    for (const Hdf5Array& array : made_.listing.arrays)
-      for (const auto& [key, text] : array.attributes.texts) {
-        const std::size_t since = key == "units" ? text.find(mark) : std::string::npos;
-        if (since == std::string::npos) continue;
-        const auto start = date_time_in(std::string_view(text).substr(since + mark.size()));
-        if (start && start->days[0].value_or(0) >= begin_of_1971) return start->iso();
-      }
-    return {};
+    for (const Hdf5Array& array : made_.listing.arrays) {
+      add_attributes(array.attributes);
+      const auto units = array.attributes.texts.find("units");
+      const std::size_t since =
+          units == array.attributes.texts.end() ? std::string::npos : units->second.find(mark);
+      if (since != std::string::npos)
+        add(std::string_view(units->second).substr(since + mark.size()));
+    }
+    if (made_.record.started.empty()) made_.record.started = first;
+    starts.tell(made_.record);
   }
 
   /// Of a field of records: "/run/table.force".

@@ -406,6 +406,23 @@ TEST(Hdf5Facts, AStartMayBeThatOfItsTimesOrOfTheFile) {
   EXPECT_EQ(started("s", "start_time", "0.5"), "");
 }
 
+TEST(Hdf5Facts, StartsThatDifferAreToldOf) {
+  const Hdf5File file;
+  for (const auto& [group, second] : {std::pair{"/a", "12"}, {"/b", "42"}}) {
+    file.group(group);
+    file.doubles(std::string(group) + "/time", {0, 0.5, 1});
+    file.text(std::string(group) + "/time", "units",
+              std::string("s since 2021-03-12 10:11:") + second);
+    file.doubles(std::string(group) + "/force", {1, 2, 3});
+  }
+  const Record record = imported(file.bytes());
+  EXPECT_EQ(record.started, "2021-03-12T10:11:12");
+  EXPECT_THAT(record.warnings,
+              Contains("channels were started at different times (the first at "
+                       "2021-03-12T10:11:12, another at 2021-03-12T10:11:42): each counts its "
+                       "time from its own start"));
+}
+
 TEST(Hdf5Facts, IntegersMayCountNanosecondsFrom1970) {
   const Hdf5File file;
   file.doubles("/force", {1, 2, 3});
