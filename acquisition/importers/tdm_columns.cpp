@@ -215,8 +215,10 @@ void TdmColumns::set_stored(pugi::xml_node values, const std::string& channel,
     return;
   }
   StoredNumbers numbers = numbers_of(*block, made.part.type->kind, width);
-  if (numbers.size() < place.count)
+  if (numbers.size() < place.count) {
+    made.part.announced = place.count;
     made.warnings.push_back(cut_off(channel, numbers.size(), place.count));
+  }
   if (made.part.type->role == TdmsRole::time && numbers.size() > 0) {
     made.part.first_value = place.offset;
     made.part.last_value = place.offset + (numbers.size() - 1) * place.stride;

@@ -71,6 +71,7 @@ struct TdmsPart {
   bool is_axis = false;
   bool diadem_times = false;
   StoredNumbers marks{};
+  std::uint64_t announced = 0;  ///< of TDM: samples, where the file ends before them
 
   std::uint64_t samples() const { return sources.empty() ? 0 : sources.front().numbers.size(); }
 };

@@ -510,8 +510,14 @@ class Recording {
     return std::ranges::any_of(channels, [&](std::size_t i) {
       return i != t && record_.channels[i].clock.interval == 0.0 &&
              !record_.channels[i].attributes.contains("domain") &&
-             stored_[i].samples.size() == stored_[t].samples.size();
+             (stored_[i].samples.size() == stored_[t].samples.size() || is_cut_off(i, t));
     });
+  }
+
+  /// Whether the file ends within the samples of a channel that would be as many as the times.
+  bool is_cut_off(std::size_t i, std::size_t t) const {
+    const std::uint64_t n = stored_[t].samples.size();
+    return channels_[i].part->announced == n && stored_[i].samples.size() < n;
   }
 
   bool increases(std::size_t t) const {
@@ -559,7 +565,9 @@ class Recording {
     bool used = false;
     for (const std::size_t i : channels) {
       Channel& channel = record_.channels[i];
-      if (stored_[i].samples.size() != n || (channel.clock.interval > 0.0 && !all)) continue;
+      const bool fits =
+          stored_[i].samples.size() == n || (is_cut_off(i, t) && found.times.size() == 0);
+      if (!fits || (channel.clock.interval > 0.0 && !all)) continue;
       channel.clock.start = clock.start;
       channel.clock.interval = clock.interval;
       stored_[i].times = found.times;

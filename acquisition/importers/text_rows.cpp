@@ -481,6 +481,7 @@ bool ends_in_cut_number(std::string_view rows, char delimiter, char decimal) {
   if (last_row.empty() || last_row.back().empty()) return false;
   Digits least{.decimals = last_row.back().size() + 1000, .exponent = 1000};
   Digits most;
+  double largest = 0.0;
   int compared = 0, marked = 0;
   for (; compared < most_compared && !rows.empty(); ++compared) {
     auto row = cells_of(take_last_line(), delimiter);
@@ -493,6 +494,7 @@ bool ends_in_cut_number(std::string_view rows, char delimiter, char decimal) {
     const Digits here = digits_of(row.back(), decimal);
     least = {std::min(least.decimals, here.decimals), std::min(least.exponent, here.exponent)};
     most = {std::max(most.decimals, here.decimals), std::max(most.exponent, here.exponent)};
+    largest = std::max(largest, std::abs(number_in(row.back(), {decimal, false}).value_or(0.0)));
   }
   if (compared < least_compared) return false;
   const std::string_view cell = last_row.back();
@@ -505,6 +507,9 @@ bool ends_in_cut_number(std::string_view rows, char delimiter, char decimal) {
   if (number == 0.0 && plain_zero) return false;
   const Digits last = digits_of(cell, decimal);
   if (last.exponent < least.exponent) return true;
+  // "-8.12345" of "-8.12345e-05"
+  if (last.exponent == 0 && most.exponent > 0 && number && std::abs(*number) > 10.0 * largest)
+    return true;
   if (fixed) return last.decimals < least.decimals;
   // zeros at the end, and a mark before nothing else, some programs leave off
   return cell.find(decimal) != cell.npos && last.decimals + 1 < least.decimals;

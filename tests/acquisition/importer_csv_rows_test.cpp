@@ -384,6 +384,10 @@ TEST(Csv, ALastNumberThatLacksItsExponentIsNone) {
   for (const char* whole : {"3,0", "3,0.0", "3,NaN", "3,OVL"})
     EXPECT_EQ(imported(rows + whole).channels.at(0).size(), 4U) << whole;
   EXPECT_EQ(imported("Record Length,4\n" + rows + "3,7.4").channels.at(0).size(), 4U);
+  // among numbers of which few have exponents it is one ten times as large as all
+  const std::string mixed = "t [s],V [V]\n0,0.012345\n1,-8.65e-05\n2,0.0023457\n";
+  EXPECT_EQ(imported(mixed + "3,-8.12345").channels.at(0).size(), 3U);
+  EXPECT_EQ(imported(mixed + "3,0.05").channels.at(0).size(), 4U);
 }
 
 // Rigol's rows end with a comma, and have two decimals.

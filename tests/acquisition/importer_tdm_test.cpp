@@ -173,6 +173,20 @@ TEST(Tdm, TakesACourseOfNumbersForTheClock) {
   check(imported_shot(tdm_header({{"G", {times, force}}}), samples));
 }
 
+TEST(Tdm, ACourseIsTheClockOfWhatTheFileCutsOffToo) {
+  const TdmChannel times{"Time", "s", "", "implicit_linear", "-0.5 0.25"};
+  TdmChannel force, acc;
+  acc.name = "A";
+  acc.block = R"(byteOffset="24" length="3" valueType="eFloat64Usi")";
+  const Record record =
+      imported_shot(tdm_header({{"G", {times, force, acc}}}), doubles({7, 8, 9, 1}));
+  ASSERT_EQ(record.channels.size(), 3U);
+  EXPECT_THAT(record.channels[2].values(), ElementsAre(1));
+  EXPECT_EQ(record.channels[2].clock.start, -0.5);
+  EXPECT_EQ(record.channels[2].clock.interval, 0.25);
+  EXPECT_THAT(record.warnings, testing::Contains("'A': the file ends after 1 of 3 samples"));
+}
+
 TEST(Tdm, ValuesBesideACourseAreToldOf) {
   TdmChannel course;
   course.representation = "implicit_linear";
