@@ -167,7 +167,7 @@ TableHead read_head(const TableLayout& layout, std::string_view text) {
   NamesAndUnits found;
   if (take_keys_over_values(layout, filled, head)) filled.clear();
   const bool keys = are_keys(layout, filled);
-  if (!keys && !take_graphtec(layout, filled, head))
+  if (!keys && !take_graphtec(layout, filled, head) && !take_acqknowledge(layout, head))
     found = find_names_and_units(layout, filled, head);
   if (found.names.size() > layout.cells) take_keys_among_names(found.names, head);
   spread_names(layout, found.names);

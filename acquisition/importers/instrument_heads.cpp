@@ -11,6 +11,8 @@
 #include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/date_time.hpp"
 #include "acquisition/importers/number.hpp"
+#include "acquisition/importers/text_file.hpp"
+#include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
 
@@ -183,6 +185,47 @@ bool take_keys_over_values(const TableLayout& layout, const std::vector<std::siz
     head.names_line = static_cast<int>(filled[i]) + 1;
     for (const std::string_view name : values) head.columns.push_back(split_head(name));
   }
+  return true;
+}
+
+std::optional<AcqKnowledgeHead> acqknowledge_head(const std::vector<std::string_view>& lines) {
+  constexpr std::string_view rate = "/sample", count = " channels";
+  for (std::size_t i = 0; i + 1 < lines.size() && i < 3; ++i) {
+    const std::string_view said = trimmed(lines[i]), counted = trimmed(lines[i + 1]);
+    if (!said.ends_with(rate) || !counted.ends_with(count)) continue;
+    const std::string_view step = said.substr(0, said.size() - rate.size());
+    const std::size_t blank = step.rfind(' ');
+    if (blank == step.npos) continue;
+    const auto number = number_in(trimmed(step.substr(0, blank)), {'.', false});
+    const auto unit = datasets::conversion(to_utf8(step.substr(blank + 1)), "s");
+    const auto channels = integer_in(counted.substr(0, counted.size() - count.size()));
+    if (!number || !(*number > 0.0) || !unit || !channels || *channels < 1) continue;
+    const auto n = static_cast<std::size_t>(*channels);
+    if (n > lines.size() || lines.size() < i + 2 + 2 * n) continue;
+    AcqKnowledgeHead found{*number * unit->factor, {}};
+    for (std::size_t c = 0; c < n; ++c)
+      found.channels.push_back(
+          {to_utf8(trimmed(lines[i + 2 + 2 * c])), to_utf8(trimmed(lines[i + 3 + 2 * c])), ""});
+    return found;
+  }
+  return std::nullopt;
+}
+
+bool take_acqknowledge(const TableLayout& layout, TableHead& head) {
+  auto found = acqknowledge_head(layout.head);
+  if (!found || layout.cells < found->channels.size() || layout.cells > found->channels.size() + 1)
+    return false;
+  head.interval = found->interval;
+  if (layout.cells > found->channels.size()) {
+    std::string unit;
+    for (const std::string_view line : layout.head) {
+      const std::string word = lowered(trimmed(cells_of(line, layout.dialect.delimiter).front()));
+      for (const auto& [name, symbol] : {std::pair{"millisec", "ms"}, {"sec", "s"}, {"min", "min"}})
+        if (word == name) unit = symbol;
+    }
+    head.columns.push_back({"time", unit, ""});
+  }
+  for (ColumnHead& channel : found->channels) head.columns.push_back(std::move(channel));
   return true;
 }
 

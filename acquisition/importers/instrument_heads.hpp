@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -38,5 +39,20 @@ void take_keys_beside_rows(const TableLayout& layout, TableHead& head);
 /// for other files.
 bool take_keys_over_values(const TableLayout& layout, const std::vector<std::size_t>& filled,
                            TableHead& head);
+
+/// What BIOPAC AcqKnowledge writes above a text export: the interval ("0.1 msec/sample"), how many
+/// channels there are ("2 channels"), name and unit of each on lines of their own, and above the
+/// rows their numbers and how many samples each has.
+struct AcqKnowledgeHead {
+  double interval = 0.0;  ///< [s]
+  std::vector<ColumnHead> channels;
+};
+
+/// None of other lines.
+std::optional<AcqKnowledgeHead> acqknowledge_head(const std::vector<std::string_view>& lines);
+
+/// Interval, names and units of it, and the unit of the times where there are any. False for other
+/// files.
+bool take_acqknowledge(const TableLayout& layout, TableHead& head);
 
 }  // namespace impactrig::acquisition

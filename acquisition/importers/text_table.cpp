@@ -10,6 +10,7 @@
 
 #include "acquisition/importers/date_columns.hpp"
 #include "acquisition/importers/date_time.hpp"
+#include "acquisition/importers/instrument_heads.hpp"
 #include "acquisition/importers/mts_tables.hpp"
 #include "acquisition/importers/row_of_units.hpp"
 #include "acquisition/importers/text_dialect.hpp"
@@ -184,6 +185,21 @@ void take_column_numbers(const std::vector<std::string_view>& lines, TableLayout
   layout.head.push_back(lines[first]);
   layout.data = lines[first + 1].data();
   layout.column_numbers = true;
+}
+
+/// How many samples each channel has, in the row above the first of AcqKnowledge's text export.
+void take_counts_of_samples(const std::vector<std::string_view>& lines, TableLayout& layout) {
+  const std::size_t first = layout.head.size();
+  if (first + 1 >= lines.size() || !acqknowledge_head(layout.head)) return;
+  auto counts = cells_of(lines[first], layout.dialect.delimiter);
+  std::erase(counts, "");
+  if (counts.empty() || !integer_in(counts.front())) return;
+  if (std::ranges::count(counts, counts.front()) != std::ssize(counts)) return;
+  const auto row = cells_of(lines[first + 1], layout.dialect.delimiter);
+  layout.head.push_back(lines[first]);
+  layout.data = lines[first + 1].data();
+  layout.cells = layout.written_cells = row.size();
+  while (layout.cells > 1 && row[layout.cells - 1].empty()) --layout.cells;
 }
 
 /// Throws InputError where some of the first lines end with CR alone and some with LF: what stands
@@ -492,6 +508,7 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
   take_row_behind_a_word(lines, layout);
   take_rows_with_keys(lines, layout);
   take_column_numbers(lines, layout);
+  take_counts_of_samples(lines, layout);
   const std::size_t named =
       layout.head.empty() ? 0 : named_columns(layout.head.back(), layout.dialect);
   if (layout.key_cells == 0) {  // times beside keys are in other cells than these functions know

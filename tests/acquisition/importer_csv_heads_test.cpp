@@ -207,6 +207,20 @@ TEST(CsvHeads, OfLabChartMayEndInRangesAndHaveNoUnits) {
               ElementsAre("column 0 []", "Force [N]", "Acc [g]"));
 }
 
+// The counts of samples above the rows are no sample; times may be there, and counts above them.
+TEST(CsvHeads, OfAcqKnowledgeHaveALineForEachNameAndUnit) {
+  const std::string head = "shot.acq\n0.5 msec/sample\n2 channels\nForce - HLT100C\nN\nAcc\ng\n";
+  for (const std::string rows :
+       {"CH1\tCH2\t\n3\t3\t\n1.5\t4\t\n2.5\t3\t\n0.5\t2\t\n", "CH1\tCH2\n1.5\t4\n2.5\t3\n0.5\t2\n",
+        "milliSec\tCH1\tCH2\n\t3\t3\n0\t1.5\t4\n0.5\t2.5\t3\n1.0\t0.5\t2\n",
+        "milliSec\tCH1\tCH2\n0\t1.5\t4\n0.5\t2.5\t3\n1.0\t0.5\t2\n"}) {
+    const Record record = imported(head + rows);
+    EXPECT_THAT(names_and_units(record), ElementsAre("Force - HLT100C [N]", "Acc [g]")) << rows;
+    EXPECT_THAT(record.channels.at(0).values(), ElementsAre(1.5, 2.5, 0.5)) << rows;
+    EXPECT_NEAR(record.channels[0].clock.interval, 0.5e-3, 1e-15) << rows;
+  }
+}
+
 // [Gulf Coast Data Concepts, X16-1D user manual, figure 19]
 TEST(CsvHeads, OfGulfCoastDataConceptsNameTheTimeSecond) {
   const Record record = imported(
