@@ -25,6 +25,9 @@ constexpr double share_of_flight = 0.5;
 // be taken in steps that are longer than that by a factor of 10^4.
 constexpr double share_of_landing = 0.01;
 constexpr double finest_landing = 1e-15;
+// Of derivatives, which a stencil's rounding keeps from more: steps asked to leave less out than that
+// are shortened without end.
+constexpr double finest_of_derivatives = 1e-10;
 
 bool opens(const ContactPoint& point) {
   return point.event() == ContactPoint::Event::gap && point.contact().presses();
@@ -49,7 +52,7 @@ double CollocationRun::derivative_error() const {
     worst = std::max({worst, followed_->force_truncation(i) * followed_->size(i) / impulse_scale_,
                       followed_->dissipation_truncation(i) * followed_->size(i) / energy_scale_});
   return worst * bar_.step() /
-         std::max({solver_.accuracy, Solver::finest_accuracy, options_.sensitivity_accuracy});
+         std::max({solver_.accuracy, finest_of_derivatives, options_.sensitivity_accuracy});
 }
 
 /// The error of the step tried.
