@@ -330,6 +330,45 @@ bool is_open_product(std::string_view text) {
   return !text.empty() && std::string_view("/*^").find(text.back()) != text.npos;
 }
 
+/// "F (N)", "t [s]": a text that ends in a bracket.
+ColumnHead unit_in_brackets(std::string_view text) {
+  ColumnHead head;
+  head.name = to_utf8(text);
+  const char close = text.back();
+  const std::size_t open = opening_of_last(text);
+  if (is_open_product(text.substr(0, open))) {
+    head.unit = unit_of_name(text);
+    return head;
+  }
+  if (open != std::string_view::npos && open > 0) {
+    const std::string_view unit =
+        without_full_stop(without_in(trimmed(text.substr(open + 1, text.size() - open - 2))));
+    const auto index = close == ']' ? integer_in(unit) : std::nullopt;  // "Y[0]"; "strain [1]"
+    const bool counts = index && (index != 1 || text[open - 1] != ' ');
+    const bool of_time = text.substr(open) == "(t)" && text[open - 1] != ' ';  // "Y(t)"
+    // "F (N) (10 V)", "F (N) (A)"
+    const bool ticks = is_time_name(trimmed(text.substr(0, open)));  // "Time (10 us)"
+    const bool range = !ticks && is_range(unit);
+    const char last = trimmed(text.substr(0, open)).back();
+    const bool input = close == ']' && last == ')' && !is_unit(unit);
+    if ((close == ')' && (last == ')' || last == ']')) || range || input)
+      if (const auto before = unit_before_a_suffix(text)) return *before;
+    if (range) return head;
+    const std::string mended = with_mu(to_utf8(unit));
+    const bool counted = ticks && !unit_of_time_by_letters(unit).empty();
+    if (close == ']' ? !counts && !are_indices(unit) : (is_unit(mended) || counted) && !of_time) {
+      std::string_view name = trimmed(text.substr(0, open));
+      if (name.ends_with(" /")) name = trimmed(name.substr(0, name.size() - 1));  // DIN 461
+      head.name = to_utf8(name);
+      head.unit = mended;
+      constexpr std::string_view no_break = "\u00A0";
+      if (head.name.ends_with(no_break)) head.name.resize(head.name.size() - no_break.size());
+      return head;
+    }
+  }
+  return unit_before_a_suffix(text).value_or(head);
+}
+
 /// split_head() by letters and brackets alone.
 ColumnHead divided_head(std::string_view cell) {
   std::string_view text = trimmed(cell);
@@ -349,41 +388,7 @@ ColumnHead divided_head(std::string_view cell) {
     if (is_unit(unit) && !integer_in(unit))  // "data{1}" is the first of several
       return {to_utf8(trimmed(text.substr(0, open))), to_utf8(unit), ""};
   }
-  const char close = text.back();
-  if (close == ']' || close == ')') {
-    const std::size_t open = opening_of_last(text);
-    if (is_open_product(text.substr(0, open))) {
-      head.unit = unit_of_name(text);
-      return head;
-    }
-    if (open != std::string_view::npos && open > 0) {
-      const std::string_view unit =
-          without_full_stop(without_in(trimmed(text.substr(open + 1, text.size() - open - 2))));
-      const auto index = close == ']' ? integer_in(unit) : std::nullopt;  // "Y[0]"; "strain [1]"
-      const bool counts = index && (index != 1 || text[open - 1] != ' ');
-      const bool of_time = text.substr(open) == "(t)" && text[open - 1] != ' ';  // "Y(t)"
-      // "F (N) (10 V)", "F (N) (A)"
-      const bool ticks = is_time_name(trimmed(text.substr(0, open)));  // "Time (10 us)"
-      const bool range = !ticks && is_range(unit);
-      const char last = trimmed(text.substr(0, open)).back();
-      const bool input = close == ']' && last == ')' && !is_unit(unit);
-      if ((close == ')' && (last == ')' || last == ']')) || range || input)
-        if (const auto before = unit_before_a_suffix(text)) return *before;
-      if (range) return head;
-      const std::string mended = with_mu(to_utf8(unit));
-      const bool counted = ticks && !unit_of_time_by_letters(unit).empty();
-      if (close == ']' ? !counts && !are_indices(unit) : (is_unit(mended) || counted) && !of_time) {
-        std::string_view name = trimmed(text.substr(0, open));
-        if (name.ends_with(" /")) name = trimmed(name.substr(0, name.size() - 1));  // DIN 461
-        head.name = to_utf8(name);
-        head.unit = mended;
-        constexpr std::string_view no_break = "\u00A0";
-        if (head.name.ends_with(no_break)) head.name.resize(head.name.size() - no_break.size());
-        return head;
-      }
-    }
-    return unit_before_a_suffix(text).value_or(head);
-  }
+  if (text.back() == ']' || text.back() == ')') return unit_in_brackets(text);
   const std::size_t slash = text.rfind(" / ");  // as DIN 461 labels an axis: t / s
   if (slash != std::string_view::npos && is_unit(text.substr(slash + 3))) {
     head.name = to_utf8(trimmed(text.substr(0, slash)));
