@@ -69,6 +69,9 @@ class CollocationRun {
 
   const ContactForce& contact() const { return points_.front().contact(); }
 
+  /// Of the first contact: ContactPoint::shallowest_turn().
+  double shallowest_turn() const { return points_.front().shallowest_turn(); }
+
   /// Of the first stop's force [N].
   double newton_tolerance() const { return newton_tolerance(points_.front()); }
 

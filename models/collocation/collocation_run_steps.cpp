@@ -25,8 +25,8 @@ constexpr double share_of_flight = 0.5;
 // be taken in steps that are longer than that by a factor of 10^4.
 constexpr double share_of_landing = 0.01;
 constexpr double finest_landing = 1e-15;
-// Of derivatives, which a stencil's rounding keeps from more: steps asked to leave less out than that
-// are shortened without end.
+// Of derivatives, which a stencil's rounding keeps from more: steps asked to leave less out than
+// that are shortened without end.
 constexpr double finest_of_derivatives = 1e-10;
 
 bool opens(const ContactPoint& point) {

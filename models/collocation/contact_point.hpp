@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "models/collocation/bar_motion.hpp"
 #include "models/contact/contact_force.hpp"
@@ -130,6 +131,10 @@ class ContactPoint {
 
   const ContactTotals& totals() const { return totals_; }
 
+  /// Of the run's first contact, the least depth at which the bar that was leaving turned back
+  /// without having left [m]; infinite where it never did.
+  double shallowest_turn() const { return shallowest_turn_; }
+
   /// Up to the end of a part of the solved step [N s].
   double impulse_until(double part) const { return totals_.impulse + integral(step_.force, part); }
 
@@ -180,6 +185,8 @@ class ContactPoint {
   void observe_early_peak(double high);
   void observe_jump();
   void observe_pull(double part);
+  double depth_of_turn(double before, const PointMotion& p0, double here, const PointMotion& p1,
+                       double& place);
   void observe_turn(double before, const PointMotion& p0, double here, const PointMotion& p1);
 
   int number_;
@@ -199,6 +206,7 @@ class ContactPoint {
   double last_h_ = 0.0, last_part_ = 1.0;
   long evaluations_ = 0;
   RunSensitivities* followed_ = nullptr;
+  double shallowest_turn_ = std::numeric_limits<double>::infinity();
   bool rising_ = false;      // the force, where its series says that it does not
   double peak_part_ = -1.0;  // where in the step the force was largest so far in its contact
 };

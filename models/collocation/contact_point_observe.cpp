@@ -44,6 +44,21 @@ void ContactPoint::note_peak(double force, double part) {
   peak_part_ = part;
 }
 
+/// Where the motion turns between two places of the step, and how deep it is there [m].
+double ContactPoint::depth_of_turn(double before, const PointMotion& p0, double here,
+                                   const PointMotion& p1, double& place) {
+  const double h = bar_.step();
+  place = before + (here - before) * p0.velocity / (p0.velocity - p1.velocity);
+  double depth = 0.0, acceleration = 0.0;
+  for (int k = 0; k < 2; ++k) {
+    const PointMotion p = struck_at(place, &acceleration);
+    const double next = std::clamp(place - p.velocity / (acceleration * h), before, here);
+    depth = p.displacement + 0.5 * p.velocity * (next - place) * h;
+    place = next;
+  }
+  return depth;
+}
+
 /// The deepest place between two where the motion turns.
 void ContactPoint::observe_turn(double before, const PointMotion& p0, double here,
                                 const PointMotion& p1) {
@@ -52,14 +67,8 @@ void ContactPoint::observe_turn(double before, const PointMotion& p0, double her
   if (p0.displacement + 2.0 * p0.velocity * (here - before) * h <
       log_.episode(number_).max_penetration)
     return;
-  double turn = before + (here - before) * p0.velocity / (p0.velocity - p1.velocity);
-  double depth = 0.0, acceleration = 0.0;
-  for (int k = 0; k < 2; ++k) {
-    const PointMotion p = struck_at(turn, &acceleration);
-    const double next = std::clamp(turn - p.velocity / (acceleration * h), before, here);
-    depth = p.displacement + 0.5 * p.velocity * (next - turn) * h;
-    turn = next;
-  }
+  double turn = before;
+  const double depth = depth_of_turn(before, p0, here, p1, turn);
   observe_deepest(turn, depth);
 }
 
@@ -240,6 +249,10 @@ void ContactPoint::observe(double begun, double part) {
       if (force > highest.force) highest = {force, here, p1};
     }
     if (p0.velocity > 0.0 && p1.velocity <= 0.0) observe_turn(before, p0, here, p1);
+    if (p0.velocity < 0.0 && p1.velocity >= 0.0 && log_.in_first_episode(number_)) {
+      double turn = before;
+      shallowest_turn_ = std::min(shallowest_turn_, depth_of_turn(before, p0, here, p1, turn));
+    }
     before_that = before;
     before = here;
     p0 = p1;

@@ -235,6 +235,28 @@ bool SmallMotionRun::promises(double accuracy) const {
 /// What small motion leaves out of a result; of vibration that a ReducedBar does not have, once
 /// find_left_out() has looked for it.
 double SmallMotionRun::neglected(const Simulation& result) const {
+  const double part = neglected_of_forces(result);
+  return may_end_otherwise(result, part) ? std::max(1.0, part) : part;
+}
+
+/// Whether the first contact may end at another time than it did: the bar has all but left before,
+/// or came back at once, by less than what is left out moves it.
+bool SmallMotionRun::may_end_otherwise(const Simulation& result, double part) const {
+  if (result.episodes.empty() || result.episodes.front().open) return false;
+  const Episode& first = result.episodes.front();
+  const double of_terms = rig_.stop ? safety_of_giving_stop : safety;
+  const double unsure =
+      std::max(of_terms * motion_.third_order().most_displacement(), part * first.max_penetration);
+  if (run_.shallowest_turn() < unsure) return true;
+  const auto next = std::find_if(result.episodes.begin() + 1, result.episodes.end(),
+                                 [](const Episode& episode) { return episode.stop == 0; });
+  if (next == result.episodes.end()) return false;
+  // as far as what leaves at that speed and is back by then has got
+  return 0.25 * first.separation_velocity * (next->start - first.end) < unsure;
+}
+
+/// The same of forces and of a contact that is sure to end as it did.
+double SmallMotionRun::neglected_of_forces(const Simulation& result) const {
   const double rate = touch_velocity(rig_) / rig_.contact.position;
   const ThirdOrder& terms = motion_.third_order();
   const bool sheared = solver_.model == BeamModel::ancf && rig_.beam.shears();

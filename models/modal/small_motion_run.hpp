@@ -72,6 +72,8 @@ class SmallMotionRun {
   bool judges() const;
   bool promises(double accuracy) const;
   double neglected(const Simulation& result) const;
+  double neglected_of_forces(const Simulation& result) const;
+  bool may_end_otherwise(const Simulation& result, double part) const;
   double of_swing(const Simulation& result) const;
   double rounding_of_load(const Simulation& result) const;
   void find_left_out(const Simulation& result);

@@ -39,7 +39,7 @@ void ThirdOrder::touch(const ModalState& state, const BarStations::Slopes& slope
   stretches_ = beam_.most_stretching(energy_) > negligible_;
   missing_ = rest_;
   contact_ = {};
-  shortening_ = largest_ = impulse_ = missing_impulse_ = of_peak_ = 0.0;
+  shortening_ = largest_ = impulse_ = missing_impulse_ = of_peak_ = most_displacement_ = 0.0;
   const double rate = beam_.rigid_part(state.a, state.rate).rate;
   turn_steadily(rate);
   lengthen(rate);
@@ -210,6 +210,7 @@ void ThirdOrder::follow(const ModalState& state, const BarStations::Slopes& slop
   move(step, part);
   answer(step, part, contact_force, contact);
   std::swap(missing_, end_);
+  most_displacement_ = std::max(most_displacement_, std::abs(displacement()));
   std::swap(before_, after_);
   last_ = state;
 }

@@ -44,6 +44,9 @@ class ThirdOrder {
   /// Displacement of the struck point that is missing now [m].
   double displacement() const { return beam_.struck().dot(missing_.a); }
 
+  /// The largest of it so far [m].
+  double most_displacement() const { return most_displacement_; }
+
   /// What is missing of the contact's peak force [-].
   double of_peak() const { return of_peak_; }
 
@@ -87,6 +90,7 @@ class ThirdOrder {
   BarMotion::ContactSlope contact_;
   double energy_ = 0.0, shortening_ = 0.0;
   double largest_ = 0.0, impulse_ = 0.0, missing_impulse_ = 0.0, of_peak_ = 0.0;
+  double most_displacement_ = 0.0;
 };
 
 }  // namespace impactrig::models
