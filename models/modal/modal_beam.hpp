@@ -140,6 +140,9 @@ class ModalBeam {
   /// SmallMotionBeam::frame(), under unit modal coordinates (m).
   const Eigen::VectorXd& frame() const { return frame_; }
 
+  /// Angle at the hinge, closing > 0, under unit modal coordinates [1/(m √kg)] (m).
+  const Eigen::VectorXd& hinge() const { return hinge_; }
+
   bool sprung() const { return spring_ > 0.0; }  ///< a spring in the hinge
 
   RigidPart rigid_part(const Eigen::VectorXd& a, const Eigen::VectorXd& rate) const;
@@ -168,7 +171,7 @@ class ModalBeam {
   bool damped_ = false;
   bool all_digits_ = false;               // the modes are right to all of them, or nearly
   std::vector<Eigen::VectorXd> further_;  // of further stops
-  Eigen::VectorXd hinge_;                 // angle at the hinge under unit modal coordinates (m)
+  Eigen::VectorXd hinge_;                 // hinge()
   double length_, struck_position_;       // [m]
   double spring_;                         // of the hinge [N m/rad]
   double elastic_compliance_ = 0.0;

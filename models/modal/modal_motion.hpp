@@ -102,6 +102,9 @@ class ModalMotion : public BarMotion {
   /// What this leaves out is not estimated: third_order() stays as it is.
   void leave_judging() { judges_ = false; }
 
+  /// Of the hinge, which has none here [N m]: what it would change is estimated.
+  void judge_friction(double torque) { third_order_.set_friction(torque); }
+
   /// What cannot be more than this part of the energy is not looked at in judging.
   void judge_coarsely(double negligible) { negligible_ = negligible; }
 

@@ -31,7 +31,6 @@ constexpr double safety = 3.0, safety_of_giving_stop = 6.0, share_of_shortening 
 // The pieces of a stepped bar are stretched by different parts: of 49 random ones five err by 1 to
 // 3 times the largest strain, one, whose strain is 0.003, by 4.
 constexpr double share_of_strain = 0.5, share_of_uneven_strain = 3.0;
-constexpr double safety_of_friction = 4.0;
 // Last bits of where a load holds the modes, which add up over the steps.
 constexpr double roundings_of_load = 16.0;
 // Without it what vibration is said to change was 0.75 times to hundreds of times what it changed.
@@ -190,6 +189,7 @@ SmallMotionRun::SmallMotionRun(const Rig& rig, const Solver& solver,
       !allows(options, Simplification::flight_at_once))
     motion_.step_flights();
   motion_.judge_coarsely(negligible_part * solver.accuracy);
+  motion_.judge_friction(rig.hinge.friction);
   if (!judges()) motion_.leave_judging();
   const bool follows = follows_swing(rig, options);
   if (rig.start.release_angle && !follows) {
@@ -267,8 +267,8 @@ double SmallMotionRun::neglected_of_forces(const Simulation& result) const {
   return growth * ((rig_.stop ? safety_of_giving_stop : safety) * missing_terms(terms, result) +
                    share_of_shortening * terms.shortening()) +
          (uneven ? share_of_uneven_strain : share_of_strain) * steady_strain(rig_, solver_, rate) +
-         bar_->modes().rounding() + rounding_of_load(result) +
-         safety_of_friction * missing_friction(rig_, result) + of_swing(result) + left_out_;
+         bar_->modes().rounding() + rounding_of_load(result) + missing_friction(rig_, result) +
+         of_swing(result) + left_out_;
 }
 
 /// What rounding may leave of the first contact: displacements are what the modes are off where a

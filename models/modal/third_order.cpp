@@ -2,6 +2,7 @@
 #include "models/modal/third_order.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "models/lanes/station_lanes.hpp"
@@ -194,10 +195,19 @@ void ThirdOrder::find_force(const ModalState& state, double h) {
                       .force = force_.data()});
   if (floats) force_ += of_frame * beam_.frame();
   if (stretches_) beam_.add_stretching_force(middle_, force_);
+  if (friction_ > 0.0) rub(state);
   if (!beam_.damped()) return;
   way_ = state.a - last_.a;
   beam_.coupled_drag(way_, drag_);
   force_ -= drag_ / h;
+}
+
+/// A hinge that turns back within the step does so where its rates at the ends have it.
+void ThirdOrder::rub(const ModalState& state) {
+  const Eigen::VectorXd& hinge = beam_.hinge();
+  const double before = hinge.dot(last_.rate), after = hinge.dot(state.rate);
+  const double most = std::abs(before) + std::abs(after);
+  if (most > 0.0) force_ -= friction_ * (before + after) / most * hinge;
 }
 
 void ThirdOrder::follow(const ModalState& state, const BarStations::Slopes& slopes,

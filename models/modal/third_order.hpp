@@ -26,11 +26,15 @@ namespace impactrig::models {
 /// frame that a beam in floating coordinates bends in, to lowest order of the angle between; one in
 /// absolute coordinates has no powers of s − ψ. To
 /// Qⱼ [N/√kg] come what uneven bending stretches (ModalBeam::stretching_energy()) and what damping
-/// couples modes by (ModalBeam::coupled_drag()), to the state at touch that a bar that hangs and
-/// turns is longer. Q is taken as constant within a step, the contact as linear within it.
+/// couples modes by (ModalBeam::coupled_drag()), and friction in the hinge, by its sense of turning
+/// at the step's ends; to the state at touch that a bar that hangs and turns is longer. Q is taken
+/// as constant within a step, the contact as linear within it.
 class ThirdOrder {
  public:
   explicit ThirdOrder(const ModalBeam& beam);
+
+  /// Of the hinge [N m].
+  void set_friction(double torque) { friction_ = torque; }
 
   /// The bar in this state meets its stop; its BarStations::find_slopes(). What uneven bending
   /// stretches is left out where it is a smaller part of the energy than `negligible`.
@@ -73,6 +77,7 @@ class ThirdOrder {
   void lengthen(double rate);
   double find_pull(double h, double frame);
   void find_force(const ModalState& state, double h);
+  void rub(const ModalState& state);
   void move(const ModalStep& step, double part);
   void answer(const ModalStep& step, double part, double contact_force,
               const BarMotion::ContactSlope& contact);
@@ -80,6 +85,7 @@ class ThirdOrder {
   const ModalBeam& beam_;
   bool stretches_ = true;    // by uneven bending
   double negligible_ = 0.0;  // part of the energy that it may be
+  double friction_ = 0.0;    // [N m]
   Look before_, after_;
   Eigen::VectorXd axial_, axial_rate_;  // Uₖ's part of u, of each axial mode
   Eigen::VectorXd elastic_rate_;        // ėₖ

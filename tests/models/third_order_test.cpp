@@ -119,6 +119,18 @@ TEST(ThirdOrder, OfADampedContact) {
   expect_foretold(rig, hybrid(Basis::pinned_free, 2, 1e-10, 5e-3), 0.1);
 }
 
+// It is a part of the impulse, but moves a slow end far more.
+TEST(ThirdOrder, OfFrictionInTheHinge) {
+  Rig rig = paper_rig();
+  rig.contact.damping = "exact";
+  rig.contact.restitution = 0.2;
+  rig.start.velocity = 0.02;
+  rig.hinge.friction = 0.01;
+  expect_foretold(rig, rigid(1e-10), 0.1);
+  expect_foretold(rig, hybrid(Basis::pinned_free, 3, 1e-10, 5e-3), 0.1);
+  expect_foretold(rig, ancf(4, 1, 1e-10, 2e-3), 0.1);
+}
+
 // Most of what is missing is that the weight pulls at a longer bar.
 TEST(ThirdOrder, OfABarThatItsWeightStretches) {
   Rig rig = paper_rig();
