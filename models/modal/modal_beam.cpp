@@ -95,14 +95,22 @@ double ModalBeam::stretching_energy(const Eigen::VectorXd& a) const {
   return energy;
 }
 
-void ModalBeam::add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& force) const {
-  static thread_local Eigen::VectorXd slope, pull;
+void ModalBeam::add_stretching_force(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
+                                     Eigen::VectorXd& force) const {
+  static thread_local Eigen::VectorXd slope, slope_rate, pull;
   const Eigen::MatrixXd& uneven = uneven_slopes();
   slope.noalias() = uneven * a;
+  const bool creeps = viscous_.stiffness > 0.0;
+  if (creeps) slope_rate.noalias() = uneven * rate;
   pull.resize(slope.size());
   for (Eigen::Index e = 0; e < axial_.size(); ++e) {
     const double first = slope[2 * e], second = slope[2 * e + 1];
-    const double third = 3.0 / 5.0 * first * second, fourth = 9.0 / 35.0 * second * second;
+    double third = 3.0 / 5.0 * first * second, fourth = 9.0 / 35.0 * second * second;
+    if (creeps) {
+      const double first_rate = slope_rate[2 * e], second_rate = slope_rate[2 * e + 1];
+      third += viscous_.stiffness * 3.0 / 5.0 * (first_rate * second + first * second_rate);
+      fourth += viscous_.stiffness * 18.0 / 35.0 * second * second_rate;
+    }
     pull[2 * e] = axial_[e] * third / 7.0 * 3.0 / 5.0 * second;
     pull[2 * e + 1] =
         axial_[e] * (third / 7.0 * 3.0 / 5.0 * first + fourth / 9.0 * 18.0 / 35.0 * second);

@@ -53,6 +53,8 @@ class ModalBeam {
 
   const Eigen::VectorXd& damping() const { return damping_; }  ///< d [1/s] (m)
 
+  const ViscousDamping& viscous() const { return viscous_; }
+
   bool damped() const { return damped_; }  ///< whether any mode is
 
   /// Of the fastest that modes vibrate or creep with, |λ| of e^{λt} [1/s].
@@ -132,8 +134,9 @@ class ModalBeam {
   /// The most of it, as a part of the energy of a bar that has this much [J], whatever its motion.
   double most_stretching(double energy) const { return most_stretching_ * energy; }
 
-  /// Adds what that energy does to the modes (m).
-  void add_stretching_force(const Eigen::VectorXd& a, Eigen::VectorXd& force) const;
+  /// Adds what that energy, and damping of that stretch, do to modes that move like this (m).
+  void add_stretching_force(const Eigen::VectorXd& a, const Eigen::VectorXd& rate,
+                            Eigen::VectorXd& force) const;
 
   const BarStations& stations() const { return stations_; }
 

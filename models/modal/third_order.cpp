@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "models/lanes/station_lanes.hpp"
+#include "models/modal/mode_kernel.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -22,7 +23,7 @@ ThirdOrder::ThirdOrder(const ModalBeam& beam) : beam_(beam) {
   before_ = after_ = {at_stations, at_stations, of_axial, of_axial};
   axial_ = axial_rate_ = elastic_rate_ = of_axial;
   slope_ = pull_ = strain_ = at_stations;
-  force_ = held_ = middle_ = way_ = drag_ = of_modes;
+  force_ = held_ = middle_ = rate_ = drag_ = of_modes;
   last_ = missing_ = end_ = answer_ = rest_ = {of_modes, of_modes};
 }
 
@@ -132,17 +133,19 @@ void ThirdOrder::draw(const BarStations::Slopes& slopes, Look& at) {
   }
 }
 
-/// The axial modes over a step: ÿ + Ω² y = Ω² b, y with the elastic part, b without, linear within
-/// the step.
+/// The axial modes over a step: ë + d ė + Ω² e = 0 of their elastic part e = y − b; b without it,
+/// linear within the step.
 void ThirdOrder::stretch(double h) {
   const BarStations& stations = beam_.stations();
+  const ViscousDamping& viscous = beam_.viscous();
   for (Eigen::Index k = 0; k < axial_.size(); ++k) {
-    const double omega = std::sqrt(stations.axial_squares[k]);
+    const double square = stations.axial_squares[k];
+    const double damping = viscous.mass + viscous.stiffness * square;
+    const auto [answer, rate] = ModeKernel(std::sqrt(square), damping).at(h);
     const double slope = (after_.drawn[k] - before_.drawn[k]) / h;
-    const double cosine = std::cos(omega * h), sine = std::sin(omega * h);
-    const double off = axial_[k] - before_.drawn[k], off_rate = (axial_rate_[k] - slope) / omega;
-    axial_[k] = after_.drawn[k] + off * cosine + off_rate * sine;
-    axial_rate_[k] = slope + omega * (off_rate * cosine - off * sine);
+    const double off = axial_[k] - before_.drawn[k], off_rate = axial_rate_[k] - slope;
+    axial_[k] = after_.drawn[k] + off * (rate + damping * answer) + off_rate * answer;
+    axial_rate_[k] = slope + off_rate * rate - square * off * answer;
     elastic_rate_[k] = after_.drawn_rate[k] - axial_rate_[k];
   }
 }
@@ -194,12 +197,12 @@ void ThirdOrder::find_force(const ModalState& state, double h) {
                       .pull = pull_.data(),
                       .force = force_.data()});
   if (floats) force_ += of_frame * beam_.frame();
-  if (stretches_) beam_.add_stretching_force(middle_, force_);
+  rate_ = (state.a - last_.a) / h;
+  if (stretches_) beam_.add_stretching_force(middle_, rate_, force_);
   if (friction_ > 0.0) rub(state);
   if (!beam_.damped()) return;
-  way_ = state.a - last_.a;
-  beam_.coupled_drag(way_, drag_);
-  force_ -= drag_ / h;
+  beam_.coupled_drag(rate_, drag_);
+  force_ -= drag_;
 }
 
 /// A hinge that turns back within the step does so where its rates at the ends have it.

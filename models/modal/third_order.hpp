@@ -91,7 +91,7 @@ class ThirdOrder {
   Eigen::VectorXd elastic_rate_;        // ėₖ
   Eigen::VectorXd strain_;              // of the stations, by weight and turning
   Eigen::VectorXd slope_, pull_;        // of the stations
-  Eigen::VectorXd force_, held_, middle_, way_, drag_;
+  Eigen::VectorXd force_, held_, middle_, rate_, drag_;
   ModalState last_, missing_, end_, answer_, rest_;
   BarMotion::ContactSlope contact_;
   double energy_ = 0.0, shortening_ = 0.0;

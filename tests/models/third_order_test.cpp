@@ -119,6 +119,17 @@ TEST(ThirdOrder, OfADampedContact) {
   expect_foretold(rig, hybrid(Basis::pinned_free, 2, 1e-10, 5e-3), 0.1);
 }
 
+// What bending stretches creeps, along the bar and where an element cannot take it back.
+TEST(ThirdOrder, OfABarWhoseStretchIsDamped) {
+  Rig rig = paper_rig();
+  rig.beam.youngs_modulus = 1.2e10;
+  rig.beam.density = 600.0;
+  rig.beam.damping.stiffness = 4e-5;
+  rig.contact.restitution = 0.8;
+  rig.start.velocity = 10.0;
+  expect_foretold(rig, ancf(4, 1, 1e-10, 5e-3), 0.3);
+}
+
 // It is a part of the impulse, but moves a slow end far more.
 TEST(ThirdOrder, OfFrictionInTheHinge) {
   Rig rig = paper_rig();
