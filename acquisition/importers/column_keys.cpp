@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "acquisition/importers/date_time.hpp"
 #include "acquisition/importers/number.hpp"
@@ -306,16 +307,57 @@ void take_stated_intervals(Dialect dialect, TableHead& head) {
   }
 }
 
-/// When the recording began, as a key states it; "" of dates that may be two.
+/// When the recording began, as a key states it or one for the day and one for the time; "" of
+/// dates that may be two.
 void find_date(TableHead& head) {
-  constexpr std::array<std::string_view, 8> keys = {"date time",  "datetime",   "date/time",
-                                                    "start time", "start_time", "starttime",
-                                                    "recorded",   "timestamp"};
-  for (const auto& [key, text] : head.attributes) {
-    if (!head.started.empty() || !is_one_of(key, keys)) continue;
+  constexpr auto keys = std::to_array<std::string_view>({"date time",
+                                                         "datetime",
+                                                         "date/time",
+                                                         "date and time",
+                                                         "start time",
+                                                         "starttime",
+                                                         "start date",
+                                                         "date",
+                                                         "recorded",
+                                                         "timestamp",
+                                                         "test date",
+                                                         "acquired",
+                                                         "acquisition date",
+                                                         "measurement date",
+                                                         "datum",
+                                                         "datum/zeit",
+                                                         "startzeit",
+                                                         "startdatum",
+                                                         "messbeginn",
+                                                         "messdatum",
+                                                         "t0",
+                                                         "\u8a66\u9a13\u65e5\u6642",
+                                                         "\u6e2c\u5b9a\u65e5\u6642"});
+  const auto take = [&head](std::string_view text) {
     const auto date = date_time_in(text);
-    if (date && date->has_date && date->has_time) head.started = date->iso();
-  }
+    if (head.started.empty() && date && date->has_date && date->has_time)
+      head.started = date->iso();
+  };
+  for (const auto& [key, text] : head.attributes)
+    if (is_one_of(key, keys) || lowered(key).starts_with("t0 - ")) take(text);
+  constexpr auto pairs = std::to_array<std::pair<std::string_view, std::string_view>>(
+      {{"date", "time"},
+       {"start date", "start time"},
+       {"acquisition date", "acquisition time"},
+       {"test date", "test time"},
+       {"datum", "uhrzeit"},
+       {"datum", "zeit"},
+       {"startdatum", "startzeit"}});
+  const auto value_of = [&head](std::string_view wanted) {
+    const auto found = std::ranges::find_if(head.attributes, [wanted](const auto& attribute) {
+      return normalized_key(attribute.first) == wanted;
+    });
+    return found == head.attributes.end() ? std::string() : found->second;
+  };
+  for (const auto& [day, time] : pairs)
+    if (const std::string of_day = value_of(day), of_time = value_of(time);
+        !of_day.empty() && !of_time.empty())
+      take(of_day + ' ' + of_time);
 }
 
 }  // namespace

@@ -145,6 +145,7 @@ struct CsvHead {
       if (date.fraction > 0) heads[date.last].name = heads[date.last - 1].name;
     }
     roles = find_roles(file, layout, head, heads, rows, options);
+    if (!roles.time && !roles.index && !head.interval) find_unusable_times();
     if (!roles.named_times.empty()) find_ends_of_times(rows, read_on);
     refuse_long_table(file, layout, text_of_rows(file, layout), heads, roles);
     record.warnings = head.warnings;
@@ -165,6 +166,13 @@ struct CsvHead {
     take_units_of_keys(head, roles, layout.dialect.delimiter, heads);
     describe(layout, head, heads, roles, record);
     if (turned.channel_rows > 0) tell_of_channel_rows(record);
+  }
+
+  /// Times in what is no unit of time: why there is no clock.
+  void find_unusable_times() {
+    for (const ColumnHead& column : heads)
+      if (head.unusable_clock.empty() && is_time_name(column.name) && !column.unit.empty())
+        head.unusable_clock = fmt::format("'{}' in '{}'", column.name, column.unit);
   }
 
   void tell_of_channel_rows(Record& record) const {

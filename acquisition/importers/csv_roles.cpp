@@ -10,6 +10,7 @@
 
 #include "acquisition/importers/column_keys.hpp"
 #include "acquisition/importers/header_fields.hpp"
+#include "acquisition/importers/time_words.hpp"
 #include "datasets/input_error.hpp"
 #include "datasets/units.hpp"
 
@@ -123,9 +124,9 @@ std::vector<std::size_t> times_behind(std::size_t time, const std::vector<Column
 
 /// A name that a column of row numbers may have.
 bool is_counter_name(std::string_view name) {
-  constexpr std::array<std::string_view, 19> words = {
-      "",   "#",   "no",     "no.",     "nr",        "nr.",   "n",     "i",    "index", "idx",
-      "id", "row", "sample", "samples", "sample no", "point", "count", "scan", "number"};
+  constexpr std::array<std::string_view, 20> words = {
+      "",   "#",   "no",     "no.",     "nr",        "nr.",   "n",     "i",    "index",  "idx",
+      "id", "row", "sample", "samples", "sample no", "point", "count", "scan", "number", "record"};
   return std::ranges::find(words, lowered(name)) != words.end();
 }
 
@@ -273,11 +274,16 @@ CsvRoles find_roles(const TextFile& file, const TableLayout& layout, const Table
     }
   }
   const bool unnamed = head.columns.empty() || head.columns.front().name.empty();
+  // "Time (samples)"
+  const bool counts_samples =
+      is_time_name(heads.front().name) && counts_no_time(heads.front().unit);
   const bool first_counts =
-      columns.size() > 1 && (heads.front().unit.empty() || is_counter_unit(heads.front().unit)) &&
+      columns.size() > 1 &&
+      (heads.front().unit.empty() || counts_samples || is_counter_unit(heads.front().unit)) &&
       counts(columns.front().values, head.increment.has_value()) &&
-      (unnamed || is_counter_name(heads.front().name) || may_be_time(heads.front()));
-  roles.index_name_fits = unnamed || is_counter_name(heads.front().name);
+      (unnamed || counts_samples || is_counter_name(heads.front().name) ||
+       may_be_time(heads.front()));
+  roles.index_name_fits = unnamed || counts_samples || is_counter_name(heads.front().name);
   // parts of a record count from its start, where the head states that
   if (first_counts && columns.front().values.front() > 1.0)
     roles.samples_before = columns.front().values.front();

@@ -61,7 +61,8 @@ constexpr std::int64_t second = 1'000'000'000;  // [ns]
 struct CountName {
   explicit CountName(std::string_view name) {
     const ColumnHead head = split_head(name);  // "Time [us]"
-    if (!head.unit.empty() && datasets::quantity_of_unit(head.unit) == datasets::Quantity::time) {
+    if (!head.unit.empty() && head.name != name &&
+        datasets::quantity_of_unit(head.unit) == datasets::Quantity::time) {
       of = name.substr(0, head.name.size());
       word = head.unit;
       return;
@@ -356,7 +357,8 @@ std::optional<DateColumns> parts_at(const std::vector<std::string_view>& lines,
 std::vector<DateColumns> find_counted_clocks(const std::vector<std::string_view>& lines,
                                              const TableLayout& layout, bool stated) {
   if (layout.head.empty() || layout.key_cells > 0) return {};
-  const Names names = cells_of(without_comment_sign(layout.head.back()), layout.dialect.delimiter);
+  const Names names =
+      cells_of(without_comment_sign(layout.head.back(), layout), layout.dialect.delimiter);
   std::vector<DateColumns> found;
   for (std::size_t c = 0; c < names.size(); ++c) {
     auto clock = stated ? std::nullopt : parts_at(lines, layout, names, c);

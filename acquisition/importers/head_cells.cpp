@@ -77,8 +77,17 @@ std::string_view without_comment_sign(std::string_view line) {
   return comment || text.size() != trimmed(line).size() ? trimmed(text) : line;
 }
 
+std::string_view without_comment_sign(std::string_view line, const TableLayout& layout) {
+  const std::string_view text = trimmed(line);
+  const bool may_be_name = layout.dialect.delimiter == '\t' && text.starts_with("#\t");
+  if (!may_be_name) return without_comment_sign(line);
+  HeadCells cells = cells_of(text, '\t');
+  drop_empty_end(cells);
+  return cells.size() == layout.cells ? text.substr(1) : without_comment_sign(line);
+}
+
 HeadCells head_cells(std::string_view line, const TableLayout& layout) {
-  const std::string_view text = without_comment_sign(line);
+  const std::string_view text = without_comment_sign(line, layout);
   const auto divided = [&text](char delimiter) {
     HeadCells cells = cells_of(text, delimiter);
     drop_empty_end(cells);

@@ -15,12 +15,16 @@ namespace {
 
 /// Words for names, the surer the sooner; the last ones may stand before a title too.
 constexpr auto name_labels = std::to_array<std::string_view>(
-    {"name",        "names",        "channel name", "channel names", "signal name", "signal names",
-     "channelname", "channeltitle", "tracename",    "trace name",    "kanalname",   "headers",
-     "header",      "fields",       "column names", "channel data",  "labels",      "signal",
-     "signals",     "variable",     "variables",    "channel",       "channels",    "kanal",
-     "label",       "trace",        "title",        "titles",        "series",      "bezeichnung"});
-constexpr std::size_t sure_labels = 25;  // of them
+    {"name",         "names",       "channel name", "channel names",  "signal name",
+     "signal names", "channelname", "channeltitle", "tracename",      "trace name",
+     "kanalname",    "headers",     "header",       "fields",         "column names",
+     "channel data", "labels",      "signal",       "signals",        "variable",
+     "variables",    "channel",     "channels",     "kanal",          "ch name",
+     "ch names",     "ch",          "ch.",          "sensor",         "sensors",
+     "columns",      "spalten",     "analog names", "ch\u540d\u79f0", "label",
+     "trace",        "title",       "titles",       "series",         "bezeichnung",
+     "titel",        "parameter"});
+constexpr std::size_t sure_labels = 34;  // of them
 
 std::optional<std::size_t> rank_of_name_label(std::string_view cell) {
   const auto found = std::ranges::find(name_labels, normalized_key(cell));
@@ -31,7 +35,7 @@ std::optional<std::size_t> rank_of_name_label(std::string_view cell) {
 /// The cells of a line that has one more than the rows; none of others. Over one column, which
 /// nothing divides from others, cells end at any mark.
 HeadCells one_more_cell(std::string_view line, const TableLayout& layout) {
-  const std::string_view text = without_comment_sign(line);
+  const std::string_view text = without_comment_sign(line, layout);
   const auto divided = [&](char delimiter) {
     HeadCells cells = cells_of(text, delimiter);
     while (!cells.empty() && cells.back().empty()) cells.pop_back();
@@ -57,7 +61,7 @@ bool names_each_column(std::string_view line, const TableLayout& layout) {
   if (words.size() >= layout.cells && name_a_time_or_unit(words) &&
       (is_time_name(split_head(words.front()).name) || are_words(words, layout.dialect.decimal)))
     return true;
-  HeadCells cells = cells_of(without_comment_sign(line), layout.dialect.delimiter);
+  HeadCells cells = cells_of(without_comment_sign(line, layout), layout.dialect.delimiter);
   while (!cells.empty() && cells.back().empty()) cells.pop_back();
   const bool is_key =
       cells.size() == 1 && cells.front().find_first_of(":=,;\t") != std::string_view::npos;
@@ -72,10 +76,19 @@ bool is_name_label(std::string_view cell) {
   return rank_of_name_label(cell).has_value();
 }
 
-bool is_unit_label(std::string_view cell) {
+namespace {
+
+bool is_unit_word(std::string_view cell) {
   const std::string key = normalized_key(cell);
   return key == "unit" || key == "units" || key == "einheit" || key == "einheiten" ||
-         is_vertical_unit_key(key) || is_horizontal_unit_key(key);
+         key == "unit\u00e9" || key == "unit\u00e9s" || key == "\u5358\u4f4d" ||
+         key == "\u5355\u4f4d";
+}
+
+}  // namespace
+
+bool is_unit_label(std::string_view cell) {
+  return is_unit_word(cell) || is_vertical_unit_key(cell) || is_horizontal_unit_key(cell);
 }
 
 NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::size_t>& filled,
@@ -93,7 +106,8 @@ NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::s
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (units == k || !may_name(k)) continue;
     const auto rank = rank_of_name_label(lines[k].front());
-    if (!rank || (!units && *rank >= sure_labels)) continue;
+    // a title may stand beside its word, but hardly in as many cells as there are columns
+    if (!rank || (!units && *rank >= sure_labels && layout.cells < 2)) continue;
     const auto names_time = [&](std::size_t line) {
       return std::any_of(lines[line].begin() + 1, lines[line].end(),
                          [](std::string_view cell) { return is_time_name(split_head(cell).name); });
@@ -107,7 +121,8 @@ NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::s
   // a key with its value
   if (!names) return {};
   const std::size_t written =
-      cells_of(without_comment_sign(layout.head[filled[*names]]), layout.dialect.delimiter).size();
+      cells_of(without_comment_sign(layout.head[filled[*names]], layout), layout.dialect.delimiter)
+          .size();
   if (!units && ((layout.written_cells > layout.cells && written <= layout.written_cells) ||
                  layout.cells == 1))
     return {};
@@ -120,6 +135,31 @@ NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::s
     head.units_line = static_cast<int>(filled[*units]) + 1;
     found.units.assign(lines[*units].begin() + 1, lines[*units].end());
   }
+  return found;
+}
+
+NamesAndUnits labelled_names_over_times(const TableLayout& layout,
+                                        const std::vector<std::size_t>& filled, TableHead& head) {
+  std::optional<std::size_t> names, units;
+  const auto cells_at = [&](std::size_t k) {
+    HeadCells cells =
+        cells_of(without_comment_sign(layout.head[filled[k]], layout), layout.dialect.delimiter);
+    return cells.size() == layout.cells && cells.size() > 1 ? cells : HeadCells{};
+  };
+  for (std::size_t k = filled.size(); k-- > 0;) {
+    const HeadCells cells = cells_at(k);
+    if (cells.empty()) continue;
+    if (!units && is_unit_word(cells.front()))
+      units = k;
+    else if (units && !names && is_name_label(cells.front()) &&
+             are_words(cells, layout.dialect.decimal))
+      names = k;
+  }
+  if (!names) return {};
+  head.names_line = static_cast<int>(filled[*names]) + 1;
+  head.units_line = static_cast<int>(filled[*units]) + 1;
+  NamesAndUnits found{cells_at(*names), cells_at(*units)};
+  found.names.front() = found.units.front() = {};
   return found;
 }
 

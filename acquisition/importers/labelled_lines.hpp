@@ -22,4 +22,9 @@ bool is_name_label(std::string_view cell);
 NamesAndUnits labelled_names(const TableLayout& layout, const std::vector<std::size_t>& filled,
                              TableHead& head);
 
+/// The same over rows whose first column holds times that are not named: "CH Name,Load,Acc" above
+/// "Unit,N,m/s2", as Kyowa's recorders write. Both have to be there.
+NamesAndUnits labelled_names_over_times(const TableLayout& layout,
+                                        const std::vector<std::size_t>& filled, TableHead& head);
+
 }  // namespace impactrig::acquisition

@@ -281,7 +281,7 @@ void take_names_alone(const TableLayout& layout, const std::vector<std::size_t>&
 bool take_names_beside_units(const TableLayout& layout, const std::vector<std::size_t>& filled,
                              NamesAndUnits& found, TableHead& head) {
   HeadCells cells =
-      cells_of(without_comment_sign(layout.head[filled.back()]), layout.dialect.delimiter);
+      cells_of(without_comment_sign(layout.head[filled.back()], layout), layout.dialect.delimiter);
   while (!cells.empty() && cells.back().empty()) cells.pop_back();
   if (layout.cells < 2 || cells.size() != 2 * layout.cells) return false;
   HeadCells names, units;
@@ -308,7 +308,7 @@ bool are_keys_with_values(std::string_view line, char delimiter) {
 
 /// Names in the table's own dialect, as many as there are columns.
 bool are_names_in_dialect(std::string_view line, const TableLayout& layout) {
-  HeadCells names = cells_of(without_comment_sign(line), layout.dialect.delimiter);
+  HeadCells names = cells_of(without_comment_sign(line, layout), layout.dialect.delimiter);
   while (!names.empty() && names.back().empty()) names.pop_back();
   return names.size() >= layout.cells && names.size() <= layout.written_cells &&
          std::ranges::none_of(names, &std::string_view::empty) && may_be_names(names, layout) &&
@@ -325,7 +325,7 @@ void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& fill
   while (filled.size() > 1) {
     const std::string_view line = layout.head[filled.back()];
     const std::string_view above = layout.head[filled[filled.size() - 2]];
-    const HeadCells cells = cells_of(without_comment_sign(line), layout.dialect.delimiter);
+    const HeadCells cells = cells_of(without_comment_sign(line, layout), layout.dialect.delimiter);
     const bool remark = cells.size() < 2 || (is_comment(line) && !is_comment(above));
     const HeadCells words = head_cells(line, layout);
     if (!remark || !are_names_in_dialect(above, layout) || is_unit_row(words) ||
@@ -333,7 +333,7 @@ void pass_over_remarks(const TableLayout& layout, std::vector<std::size_t>& fill
       return;
     // a key with its value has fewer cells
     constexpr std::size_t more_than_keys = 4;
-    const HeadCells names = cells_of(without_comment_sign(above), layout.dialect.delimiter);
+    const HeadCells names = cells_of(without_comment_sign(above, layout), layout.dialect.delimiter);
     if (!name_a_time_or_unit(names) && layout.written_cells < more_than_keys) return;
     filled.pop_back();
   }
@@ -407,7 +407,7 @@ void pass_over_lines_under_time(const TableLayout& layout, std::vector<std::size
     return keep({filled.begin(), filled.begin() + static_cast<std::ptrdiff_t>(*at) + 1});
   for (std::size_t i = filled.size(); i-- > 0;) {
     const HeadCells names =
-        cells_of(without_comment_sign(layout.head[filled[i]]), layout.dialect.delimiter);
+        cells_of(without_comment_sign(layout.head[filled[i]], layout), layout.dialect.delimiter);
     if (!are_names_in_dialect(layout.head[filled[i]], layout)) continue;
     const bool complete = are_complete(names);
     if (!complete && !begin_with_time(names)) continue;
@@ -435,7 +435,7 @@ void pass_over_figures(const TableLayout& layout, std::vector<std::size_t>& fill
   if (others.size() == filled.size()) return;
   const std::string_view above = layout.head[others.back()];
   // a key with its value stands under another one
-  const HeadCells names = cells_of(without_comment_sign(above), layout.dialect.delimiter);
+  const HeadCells names = cells_of(without_comment_sign(above, layout), layout.dialect.delimiter);
   if (!are_names_in_dialect(above, layout) ||
       !(name_a_time_or_unit(names) || is_unit_row(names) || are_units_of_a_key(names)))
     return;
@@ -488,7 +488,7 @@ NamesAndUnits names_told_apart(const TableLayout& layout, const std::vector<std:
                                TableHead& head) {
   const auto cells_at = [&](std::size_t k) {
     HeadCells cells =
-        cells_of(without_comment_sign(layout.head[filled[k]]), layout.dialect.delimiter);
+        cells_of(without_comment_sign(layout.head[filled[k]], layout), layout.dialect.delimiter);
     return cells.size() == layout.cells ? cells : HeadCells{};
   };
   for (std::size_t k = filled.size(); k-- > 1;) {
@@ -531,6 +531,7 @@ NamesAndUnits find_names_and_units(const TableLayout& layout, std::vector<std::s
   if (layout.key_cells > 0 || take_toa5(layout, filled, found.names, found.units, head))
     return found;
   if (found = labelled_names(layout, filled, head); !found.names.empty()) return found;
+  if (found = labelled_names_over_times(layout, filled, head); !found.names.empty()) return found;
   if (found.names = listed_names(layout, filled); !found.names.empty()) {
     head.names_line = static_cast<int>(filled.back()) + 1;
     return found;

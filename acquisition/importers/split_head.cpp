@@ -6,6 +6,7 @@
 
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/row_of_units.hpp"
+#include "acquisition/importers/time_words.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -64,12 +65,13 @@ std::string unit_of_name(std::string_view text) {
   return {};
 }
 
-/// "ms" of "mS" and "MS", which are siemens where no time is meant; "" of others.
-std::string unit_of_time_by_letters(std::string_view unit) {
-  const std::string small = lowered(unit);
-  for (const std::string_view time : {"ms", "us", "ns"})
-    if (small == time) return small;
-  return unit == "\u00b5S" || unit == "\u03bcS" ? "us" : "";
+/// "m/s" of "v_m/s" and "N/mm" of "load_N/mm", where the slash divides a unit; "" of others.
+std::string unit_behind_a_line(std::string_view text, std::size_t slash) {
+  const std::size_t line = text.rfind('_', slash);
+  if (line == text.npos || line == 0) return {};
+  const std::string_view unit = text.substr(line + 1);
+  const bool divides = is_plain_unit(text.substr(line + 1, slash - line - 1)) && is_unit(unit);
+  return divides ? to_utf8(unit) : std::string();
 }
 
 /// "[ms]" and "(kN)": a unit alone.
@@ -118,6 +120,9 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
       return divided(colon, colon + 1);
   }
   const std::size_t slash = text.find('/');
+  if (slash != text.npos)
+    if (std::string unit = unit_behind_a_line(text, slash); !unit.empty())
+      return ColumnHead{to_utf8(text), std::move(unit), ""};
   // "m/s" and "mV/g" are units, "t/ms" is a time though it could be tonnes
   if (slash != std::string_view::npos && slash > 0 && !is_plain_unit(text) &&
       !is_plain_unit(text.substr(0, slash)) && is_plain_unit(text.substr(slash + 1)))
@@ -127,14 +132,13 @@ std::optional<ColumnHead> unit_behind_a_word(std::string_view text) {
       datasets::quantity_of_unit(to_utf8(text.substr(blank + 1))) == Quantity::time)
     return divided(blank, blank + 1);
   const std::size_t line = text.rfind('_');
-  if (line == std::string_view::npos) return std::nullopt;
   constexpr std::array<std::string_view, 6> times = {"time", "t",       "timestamp",
                                                      "zeit", "elapsed", "elapsed_time"};
-  const std::string_view unit = text.substr(line + 1);
-  const bool is_time = std::ranges::find(times, lowered(text.substr(0, line))) != times.end() &&
-                       (datasets::quantity_of_unit(to_utf8(unit)) == Quantity::time ||
-                        !unit_of_time_by_letters(unit).empty());
-  return is_time ? std::optional(divided(line, line + 1)) : std::nullopt;
+  if (line != text.npos && std::ranges::find(times, lowered(text.substr(0, line))) != times.end() &&
+      (datasets::quantity_of_unit(to_utf8(text.substr(line + 1))) == Quantity::time ||
+       !unit_of_time_in_words(text.substr(line + 1)).empty()))
+    return divided(line, line + 1);
+  return time_with_unit_at_end(text);
 }
 
 /// "mm" of "in mm", which UDUNITS-2 would multiply by an inch; "in lbf" is a torque.
@@ -195,8 +199,8 @@ std::optional<ColumnHead> unit_before_a_suffix(std::string_view text) {
   const bool letter = unit.size() == 1 && letters.find(unit.front()) == letters.npos;
   if (quantity == Quantity::unknown || integer_in(unit) || letter) return std::nullopt;
   const std::string_view suffix = text.substr(close + 1);
-  const bool apart = suffix.front() == ' ' || suffix.front() == '.' || suffix.front() == '_' ||
-                     suffix.front() == '[' || suffix.front() == '(';
+  const bool apart = suffix.front() == ' ' || suffix.front() == '*' || suffix.front() == '.' ||
+                     suffix.front() == '_' || suffix.front() == '[' || suffix.front() == '(';
   if (!apart) return std::nullopt;
   return ColumnHead{to_utf8(trimmed(text.substr(0, open))) + to_utf8(suffix), to_utf8(unit), ""};
 }
@@ -355,7 +359,7 @@ ColumnHead unit_in_brackets(std::string_view text) {
       if (const auto before = unit_before_a_suffix(text)) return *before;
     if (range) return head;
     const std::string mended = with_mu(to_utf8(unit));
-    const bool counted = ticks && !unit_of_time_by_letters(unit).empty();
+    const bool counted = ticks && (!unit_of_time_in_words(unit).empty() || counts_no_time(unit));
     if (close == ']' ? !counts && !are_indices(unit) : (is_unit(mended) || counted) && !of_time) {
       std::string_view name = trimmed(text.substr(0, open));
       if (name.ends_with(" /")) name = trimmed(name.substr(0, name.size() - 1));  // DIN 461
@@ -372,7 +376,7 @@ ColumnHead unit_in_brackets(std::string_view text) {
 /// split_head() by letters and brackets alone.
 ColumnHead divided_head(std::string_view cell) {
   std::string_view text = trimmed(cell);
-  while (!text.empty() && (text.back() == ',' || text.back() == ';'))
+  while (text.size() > 1 && std::string_view(",;:").find(text.back()) != text.npos)
     text = trimmed(text.substr(0, text.size() - 1));
   ColumnHead head;
   head.name = to_utf8(text);
@@ -415,8 +419,9 @@ ColumnHead split_head(std::string_view cell) {
     return split_head(one_line(cell));
   ColumnHead head = divided_head(cell);
   if (is_time_name(head.name) && datasets::quantity_of_unit(head.unit) != Quantity::time)
-    if (std::string unit = unit_of_time_by_letters(head.unit); !unit.empty())
+    if (std::string unit = unit_of_time_in_words(head.unit); !unit.empty())
       head.unit = std::move(unit);
+  if (head.unit.empty()) head.unit = unit_named(head.name);
   return head;
 }
 

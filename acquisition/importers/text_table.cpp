@@ -419,6 +419,32 @@ const char* end_of_rows(std::string_view text, const TableLayout& layout) {
   return nullptr;
 }
 
+/// A line of numbers with words beside them ("0.0000,20.4,,Min,-3", figures that stand beside the
+/// first rows) is no head: without it samples would be missing.
+void refuse_words_beside_rows(const TextFile& file, const TableLayout& layout) {
+  if (layout.head.empty() || layout.cells < 2 || layout.key_cells > 0 || !layout.dates.empty() ||
+      layout.dialect.delimiter == ' ')
+    return;
+  const std::string_view line = layout.head.back();
+  const std::vector<std::string_view> cells = cells_of(line, layout.dialect.delimiter);
+  if (cells.size() <= layout.written_cells) return;
+  const auto is_number = [&](std::string_view cell) {
+    return number_in(cell, {layout.dialect.decimal, false}).has_value();
+  };
+  const auto beside = cells.begin() + static_cast<std::ptrdiff_t>(layout.written_cells);
+  const auto word = std::find_if(beside, cells.end(),
+                                 [&](auto cell) { return !cell.empty() && !is_number(cell); });
+  if (word == cells.end() ||
+      !std::all_of(cells.begin(), cells.begin() + static_cast<std::ptrdiff_t>(layout.cells),
+                   is_number))
+    return;
+  throw InputError(
+      file.position(line.data()),
+      fmt::format("the line begins as the rows below it, but '{}' stands beside its first {} "
+                  "cells: take what stands beside the rows out of the file, or state --skip-lines",
+                  to_utf8(*word), layout.cells));
+}
+
 }  // namespace
 
 bool has_only_empty_cells(std::string_view line, char delimiter) {
@@ -517,6 +543,7 @@ TableLayout find_table(TextFile& file, const ImportOptions& options) {
       layout.dates = find_counted_clocks(lines, layout, options.time_column.has_value());
   }
   find_text_columns(lines, named, layout);
+  if (!stated) refuse_words_beside_rows(file, layout);
   if (!options.decimal) find_perhaps_grouped(lines, layout);
   if (file.is_part()) return layout;
   layout.table_above = of_several.above;
