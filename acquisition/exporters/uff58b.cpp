@@ -57,7 +57,7 @@ UnitText unit_text(const std::string& unit, std::size_t width) {
   return {unit.substr(0, open), unit.substr(open + 2, unit.size() - open - 3)};
 }
 
-/// A label is decoration: at most `width` bytes of it, cut between characters.
+/// A label, and a name, may lose its end: at most `width` bytes of it, cut between characters.
 std::string label(std::string text, std::size_t width) {
   if (text.size() > width) {
     std::size_t end = width;
@@ -109,7 +109,9 @@ void print_header(OutputFile& out, const std::string& path, const Record& record
   };
   const bool exact =
       !form.even || !form.over_time || (survives(form.start) && survives(form.increment));
-  out.print("{}\n{}\n", field(path, "the name", channel.name, 80), id(2));
+  // reading back tells of a name that is cut
+  const std::string called = label(std::string(trimmed(channel.name)), 80);
+  out.print("{}\n{}\n", field(path, "the name", called, 80), id(2));
   out.print("{}\n{}\n", field(path, "the date", uff_date(record.started), 80), id(4));
   const bool stale = attribute(channel, "id line 5").starts_with("clock: ");
   out.print("{}\n", !exact ? uff58_exact_clock(channel.clock) : stale ? "NONE" : id(5));

@@ -8,6 +8,7 @@
 #include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/number.hpp"
 #include "acquisition/importers/text_file.hpp"
+#include "acquisition/importers/time_words.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -18,7 +19,8 @@ constexpr auto time_words = std::to_array<std::string_view>(
     {"t",           "time",         "times",      "time_s",    "t_s",         "tvec",
      "zeit",        "timestamp",    "timestamps", "x_time",    "timevector",  "time_vector",
      "timevec",     "time_vec",     "timeaxis",   "time_axis", "time_domain", "elapsed",
-     "elapsedtime", "elapsed_time", "laufzeit",   "tm",        "tout"});  // Simulink, beside yout
+     "elapsedtime", "elapsed_time", "laufzeit",   "tm",        "time_rel",    "rel_time",
+     "t_rel",       "tout"});  // Simulink, beside yout
 constexpr auto interval_words = std::to_array<std::string_view>(
     {"dt", "ts", "sampleinterval", "sample_interval", "deltat", "delta_t", "delta_x",
      "samplinginterval", "sampling_interval", "sampleperiod", "sample_period", "samplingperiod",
@@ -64,6 +66,10 @@ ColumnHead last_head(std::string_view name) {
   using datasets::Quantity;
   const std::size_t end = end_of_group(name);
   ColumnHead head = split_head(end == std::string_view::npos ? name : name.substr(end + 1));
+  if (head.name.ends_with("Hz") && !head.name.ends_with("_Hz"))  // "sampleRateHz"
+    if (std::string word = head.name.substr(0, head.name.size() - 2);
+        head.unit.empty() && among(rate_words, lowered(word)))
+      return {std::move(word), "Hz", ""};
   const std::size_t line = head.name.rfind('_');
   if (!head.unit.empty() || line == std::string::npos) return head;
   const std::string word = lowered(head.name.substr(0, line));
@@ -107,7 +113,8 @@ std::string unit_by_name(std::string_view name) {
 }
 
 bool is_named_as_time(std::string_view name) {
-  return among(time_words, last_word(name));
+  const std::string word = last_word(name);
+  return among(time_words, word) || !unit_named(word).empty();
 }
 
 namespace {

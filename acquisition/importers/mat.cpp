@@ -159,6 +159,7 @@ class MatRecord {
         for (double& time : times) time *= seconds;
       };
     }
+    if (!options.time_column) take_interval_of_text();
     const bool stated = options.time_column && *options.time_column != "none";
     for (std::size_t i = 0; i < stored_.size(); ++i)
       if (arrays[i].samples > 1)
@@ -173,6 +174,21 @@ class MatRecord {
     if (!in_seconds && !found.without_unit.empty())
       record_.warnings.push_back(
           fmt::format("the time is taken as s, since no unit is stated: {}", found.without_unit));
+  }
+
+  /// "SamplingRate" as a text at the top, where nothing else tells a clock.
+  void take_interval_of_text() {
+    for (const auto& [name, text] : contents_.texts) {
+      const auto interval = interval_by_name(name, text);
+      if (!interval || name.find_first_of(".{(") != name.npos) continue;
+      for (std::size_t i = 0; i < stored_.size(); ++i) {
+        Channel& channel = record_.channels[i];
+        const bool open = stored_[i].times.size() == 0 && channel.clock.interval == 0.0 &&
+                          !channel.attributes.contains(std::string(unusable_clock));
+        if (open && stored_[i].samples.size() > 1) channel.clock.interval = *interval;
+      }
+      return;
+    }
   }
 
   MatFacts facts() const {

@@ -18,9 +18,13 @@ namespace {
 
 constexpr std::array<std::string_view, 8> unit_words = {"unit",   "units", "Unit",   "Units",
                                                         "y_unit", "yunit", "YUnits", "YUnit"};
-constexpr std::array<std::string_view, 9> list_words = {
-    "colheaders",    "names",          "labels",         "columns", "channels",
-    "channel_names", "channel_labels", "variable_names", "headers"};
+// of lists, as plain() has them
+constexpr auto name_lists = std::to_array<std::string_view>(
+    {"colheaders", "colnames", "names", "labels", "columns", "channels", "channelnames",
+     "channellabels", "channames", "chnames", "signalnames", "variablenames", "headers"});
+constexpr auto unit_lists =
+    std::to_array<std::string_view>({"unit", "units", "yunit", "yunits", "channelunits",
+                                     "chanunits", "chunits", "signalunits", "engunits"});
 
 /// "run." of "run.data"; "" at the top.
 std::string_view structure_of(std::string_view name) {
@@ -112,7 +116,7 @@ bool MatLabels::rows_are_samples(std::uint64_t rows, std::uint64_t columns, bool
 
 std::vector<std::string> MatLabels::channels_of(std::string_view array,
                                                 std::uint64_t channels) const {
-  for (const std::string_view word : list_words) {
+  for (const std::string_view word : name_lists) {
     std::vector<std::string> names =
         texts_of(fmt::format("{}{}", structure_of(array), word), channels);
     const std::set<std::string> different(names.begin(), names.end());
@@ -122,7 +126,7 @@ std::vector<std::string> MatLabels::channels_of(std::string_view array,
 }
 
 std::vector<std::string> MatLabels::units_of(std::string_view array, std::uint64_t channels) const {
-  for (const std::string_view word : unit_words) {
+  for (const std::string_view word : unit_lists) {
     std::vector<std::string> units =
         texts_of(fmt::format("{}{}", structure_of(array), word), channels);
     if (!units.empty()) return units;
@@ -133,12 +137,12 @@ std::vector<std::string> MatLabels::units_of(std::string_view array, std::uint64
 /// A cell array or lines of just so many texts; empty where there is none.
 std::vector<std::string> MatLabels::texts_of(const std::string& cells, std::uint64_t count) const {
   const auto text = [&](std::uint64_t i) {
-    return contents_.texts.find(fmt::format("{}{{{}}}", cells, i));
+    return texts_.find(plain(fmt::format("{}{{{}}}", cells, i)));
   };
-  if (text(count + 1) != contents_.texts.end()) return {};
+  if (text(count + 1) != texts_.end()) return {};
   std::vector<std::string> found;
   for (std::uint64_t i = 1; i <= count; ++i) {
-    if (text(i) == contents_.texts.end() || text(i)->second.empty()) return {};
+    if (text(i) == texts_.end() || text(i)->second.empty()) return {};
     found.push_back(to_utf8(text(i)->second));
   }
   return found;

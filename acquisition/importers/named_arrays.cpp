@@ -156,6 +156,7 @@ class ClockFinder {
     for (const auto& [whose, times] : own_times_)
       if (const auto axis = axes_.find(times); axis != axes_.end() && axis->second.usable)
         result_.clocks[times] = axis->second.clock;
+    if (!wanted_) take_numbers_beside();
     if (!wanted_) take_first_columns();
     if (!wanted_) tell_other_lengths();
     return std::move(result_);
@@ -250,6 +251,25 @@ class ClockFinder {
         arrays_[times].name, step, arrays_[number].name, seconds,
         unit.empty() ? "" : fmt::format(", as if the times were in {}", unit), arrays_[times].name,
         arrays_[number].name));
+  }
+
+  /// "meta.fs" beside "data": the interval of a group without arrays of its own, for arrays without
+  /// a clock, where no other group tells another one.
+  void take_numbers_beside() {
+    if (intervals_.empty()) return;
+    std::set<std::string, std::less<>> groups;  // that have arrays, and those around them
+    for (const NamedArray& array : arrays_)
+      for (std::string_view group = group_of(array.name); array.samples > 1 && !group.empty();
+           group = group_of(group))
+        groups.emplace(group);
+    const auto& [first, told] = *intervals_.begin();
+    for (const auto& [group, interval] : intervals_)
+      if (group.empty() || groups.contains(group) || differ(interval.first, told.first)) return;
+    for (std::size_t i = 0; i < arrays_.size(); ++i) {
+      const ArrayClock& clock = result_.clocks[i];
+      if (arrays_[i].samples > 1 && clock.interval == 0.0 && !clock.times && clock.unusable.empty())
+        by_number(i, first);
+    }
   }
 
   /// Matrices of which nothing tells the clock: a first column that increases evenly, and does not

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "acquisition/importers/tdms_recording.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -538,6 +539,18 @@ class Recording {
     return type != nullptr && type->role == TdmsRole::time;
   }
 
+  /// Numbers may be those of LabVIEW's clock.
+  void tell_of_1904(const std::string& name, double start) {
+    constexpr double earliest = 2.9e9, latest = 4.3e9;  // 1995 to 2040, as seconds since 1904
+    constexpr double from_1904_to_1970 = 2082844800.0;
+    if (!(start > earliest && start < latest)) return;
+    const auto second = static_cast<std::time_t>(start - from_1904_to_1970);
+    warn(
+        fmt::format("'{}' begins at {:.0f} s, which is {:%Y-%m-%dT%H:%M:%S}Z if it counts since "
+                    "1904, as LabVIEW does: the times are left as they are",
+                    name, start, fmt::gmtime(second)));
+  }
+
   /// Gives the channels of as many values as channel `t` its values as times; `all`: even those
   /// that have a clock.
   void take_times(std::size_t t, const std::vector<std::size_t>& channels, bool all) {
@@ -562,6 +575,7 @@ class Recording {
     datasets::SampleClock clock;
     StoredChannel found;
     const std::string warning = set_stored_times(*file_, stored_[t].samples, seconds, clock, found);
+    if (!is_time_stamps(t)) tell_of_1904(times.name, clock.start);
     bool used = false;
     for (const std::size_t i : channels) {
       Channel& channel = record_.channels[i];

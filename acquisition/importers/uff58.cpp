@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "acquisition/importers/column_heads.hpp"
 #include "acquisition/importers/formats.hpp"
 #include "acquisition/importers/header_fields.hpp"
 #include "acquisition/importers/number.hpp"
@@ -314,6 +315,18 @@ class UffRecording final : public RecordingReader {
                     to_utf8(header.increment_text), 1.0 / channel.clock.interval, *rate));
   }
 
+  /// "ms" of the label "Time [ms]" where the field for the unit is empty.
+  std::string abscissa_unit(const UffHeader& header) {
+    const UffAxis& axis = header.abscissa;
+    std::string unit = split_head(axis.label).unit;
+    if (!axis.unit.empty() || unit == "s" ||
+        datasets::quantity_of_unit(unit) != datasets::Quantity::time)
+      return axis.unit;
+    warn(fmt::format("no unit of the abscissa is stated, but its label is '{}': it is taken in {}",
+                     axis.label, unit));
+    return unit;
+  }
+
   /// The factor of an abscissa's unit to seconds.
   double time_factor(const std::string& unit) {
     if (unit.empty() || unit == "s") return 1.0;
@@ -361,7 +374,7 @@ class UffRecording final : public RecordingReader {
       return;
     }
     channel.attributes["domain"] = "time";
-    source.time_factor = time_factor(header.abscissa.unit);
+    source.time_factor = time_factor(abscissa_unit(header));
     if (!header.form.even) {
       const TimeAxisCheck check = time_axis_of(function, source.time_factor);
       const TimeAxis axis = check.axis();

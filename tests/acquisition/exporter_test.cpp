@@ -389,6 +389,15 @@ TEST(Export, RefusesWhatAFormatCannotHold) {
   EXPECT_EQ(export_error(record, ".uff"), "OUT: the name 'two\nlines' has a line break");
 }
 
+// The file was not written.
+TEST(Export, ToUffCutsALongName) {
+  Record record = example(3);
+  record.channels[0].name = std::string(79, 'x') + "\u00b5y";
+  EXPECT_EQ(round_trip(record, ".uff").channels.at(0).name, std::string(79, 'x'));
+  EXPECT_THAT(export_warnings(record, ".uff"),
+              testing::Contains(testing::HasSubstr("does not give back every name as it is")));
+}
+
 // What WAVE files give: the explanation of the unit is its ordinate label.
 TEST(Export, ToUffKeepsALongUnitWithoutItsComment) {
   Record record = example(3);

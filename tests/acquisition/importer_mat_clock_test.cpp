@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/clock_words.hpp"
@@ -350,6 +353,53 @@ TEST_P(Mat, ManyTimesAreJudgedAllOfThem) {
   times[65536] = times[65535];  // where one piece ends and the next begins
   EXPECT_THAT(read().warnings,
               Contains("'t' does not increase throughout: it is not taken as the time"));
+}
+
+// They asked for a rate.
+TEST_P(Mat, ARateMayStandBesideTheStructureOfTheData) {
+  const std::string rate = b.doubles("", {1000.0}), data = b.doubles("data", {1, 2, 3, 4, 5});
+  const std::string meta = b.structure("meta", {"fs"}, rate);
+  EXPECT_DOUBLE_EQ(imported(b.header() + meta + data).find("data")->clock.interval, 1e-3);
+  const std::string other = b.structure("info", {"fs"}, b.doubles("", {2000.0}));
+  EXPECT_EQ(imported(b.header() + meta + other + data).find("data")->clock.interval, 0.0)
+      << "which of them?";
+  const std::string run = b.structure("run", {"fs", "force"}, rate + b.doubles("", {1, 2, 3}));
+  EXPECT_EQ(imported(b.header() + run + data).find("data")->clock.interval, 0.0) << "the run's";
+  EXPECT_DOUBLE_EQ(imported(b.header() + b.doubles("sampleRateHz", {1000.0}) + data)
+                       .find("data")
+                       ->clock.interval,
+                   1e-3);
+  EXPECT_DOUBLE_EQ(
+      imported(b.header() + b.text("SamplingRate", "1000") + data).find("data")->clock.interval,
+      1e-3);
+}
+
+TEST_P(Mat, TimesMayBeCalledInOtherWords) {
+  for (const char* name : {"time_rel_ms", "t_in_ms", "timeMs", "milliseconds"})
+    EXPECT_DOUBLE_EQ(
+        imported(b.header() + b.doubles(name, {-1, 0, 1, 2}) + b.doubles("force", {1, 2, 3, 4}))
+            .find("force")
+            ->clock.interval,
+        1e-3)
+        << name;
+}
+
+TEST_P(Mat, ListsOfNamesAndUnitsMayBeCalledInOtherWords) {
+  const auto cells = [this](const std::string& name, const std::string& one,
+                            const std::string& other) {
+    return b.matrix(b.head(1, {1, 2}, name) + b.text("", one) + b.text("", other));
+  };
+  std::vector<double> samples(200);
+  std::iota(samples.begin(), samples.end(), 0.0);
+  for (const auto& [names, units] :
+       {std::pair{"channelNames", "channelUnits"}, std::pair{"chan_names", "chan_units"},
+        std::pair{"ChNames", "EngUnits"}}) {
+    const datasets::Record record = imported(b.header() + b.doubles("data", samples, 2) +
+                                             cells(names, "Force", "Acc") + cells(units, "N", "g"));
+    ASSERT_EQ(record.channels.size(), 2U);
+    EXPECT_EQ(record.channels[0].name, "data.Force") << names;
+    EXPECT_EQ(record.channels[1].unit, "g") << units;
+  }
 }
 
 }  // namespace

@@ -255,6 +255,15 @@ TEST_P(TdmsInBothByteOrders, AChannelOfTimesCountsBeforeAnIncrementOfOne) {
   EXPECT_EQ(imported(file({5, 25, 45}, "Time (ms)", 0.5)).channels.at(1).clock.interval, 0.5);
 }
 
+TEST_P(TdmsInBothByteOrders, TimesSince1904AreToldOf) {
+  const auto record = imported(
+      t_.segment({t_.channel("Time", t_.index(10, 3)), t_.channel("F", t_.index(2, 3))},
+                 t_.numbers(std::vector<double>{3698388672.0, 3698388673.0, 3698388674.0}) +
+                     t_.numbers(Shorts{1, 2, 3})));
+  EXPECT_THAT(record.warnings,
+              testing::Contains(testing::HasSubstr("which is 2021-03-12T10:11:12Z if it counts")));
+}
+
 TEST_P(TdmsInBothByteOrders, TimeStampsYearsApartKeepHalfAMicrosecond) {
   const auto record =
       imported(t_.segment({t_.channel("when", t_.index(0x44, 2))},

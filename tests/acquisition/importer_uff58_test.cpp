@@ -516,5 +516,14 @@ TEST(Uff58Codes, ComeBackFromTheirQuantityAndName) {
   EXPECT_EQ(uff58_function("function type 99"), 0);
 }
 
+// The increment was taken in seconds without a word.
+TEST(Uff58, ALabelMayTellTheUnitOfTheTimes) {
+  Function function;
+  function.abscissa = "        17    0    0    0 Time [ms]            NONE                ";
+  const datasets::Record record = imported(function.text());
+  EXPECT_DOUBLE_EQ(record.channels.at(0).clock.interval, 1e-6);
+  EXPECT_THAT(record.warnings, testing::Contains(testing::HasSubstr("its label is 'Time [ms]'")));
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition
