@@ -76,6 +76,8 @@ constexpr auto signatures = std::to_array<Signature>({
     {0, "$date", "a value change dump (.vcd) of logic levels", from_sigrok, "$enddefinitions"},
     {0, "$version", "a value change dump (.vcd) of logic levels", from_sigrok, "$enddefinitions"},
     {0, "$timescale", "a value change dump (.vcd) of logic levels", from_sigrok, "$enddefinitions"},
+    {0, "Name", "a text export of TwinCAT Scope, with times in ms beside each group of channels",
+     "export it as TDMS", "Starttime of export"},
     {0, "version https://git-lfs.github.com/", "what Git LFS keeps in place of a file",
      "get the file itself with git lfs pull"},
     {0, "%PDF", "a PDF document", "a recording is expected"},

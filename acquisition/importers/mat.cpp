@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <optional>
 #include <span>
 
@@ -69,6 +71,7 @@ class MatRecord {
     if (std::string skipped = skipped_arrays(contents_); !skipped.empty())
       record_.warnings.push_back(std::move(skipped));
     for (const MatArray& array : contents_.arrays) add(array);
+    tell_of_scales();
     if (record_.channels.empty())
       record_.warnings.emplace_back("there are no numbers in this file: there are no channels");
   }
@@ -130,6 +133,30 @@ class MatRecord {
                                  array.imaginary_offset, first, count, step);
     record_.channels.push_back(std::move(channel));
     stored_.push_back(std::move(stored));
+  }
+
+  /// Of integers beside numbers that are called so: what they mean is not known.
+  void tell_of_scales() {
+    constexpr auto words = std::to_array<std::string_view>(
+        {"scale", "scalefactor", "scale_factor", "gain", "slope", "sensitivity", "offset"});
+    std::map<std::string_view, std::vector<std::string_view>> scales;  // by group
+    const auto group_of = [](std::string_view name) {
+      const std::size_t end = end_of_group(name);
+      return name.substr(0, end == name.npos ? 0 : end);
+    };
+    for (const MatArray& array : contents_.arrays)
+      if (array.count == 1 && std::ranges::find(words, last_word(array.name)) != words.end())
+        scales[group_of(array.name)].push_back(array.name);
+    for (const MatArray& array : contents_.arrays) {
+      const bool integers = array.kind != NumberKind::f32 && array.kind != NumberKind::f64;
+      const auto beside = scales.find(group_of(array.name));
+      if (array.count < 2 || !integers || beside == scales.end()) continue;
+      record_.warnings.push_back(fmt::format(
+          "'{}' holds integers, and '{}' beside it {} not applied: a map's sensitivity and unit "
+          "state what they mean",
+          array.name, fmt::join(beside->second, "', '"), beside->second.size() > 1 ? "are" : "is"));
+      scales.erase(beside);  // once
+    }
   }
 
   void set_clocks(const ImportOptions& options) {

@@ -432,5 +432,16 @@ TEST_P(Mat, StructuresNestedWithoutEndAreLeftOut) {
   EXPECT_THAT(imported(b.header() + inner).warnings[0], HasSubstr("(nested too deeply)"));
 }
 
+// Counts were taken for values without a word.
+TEST_P(Mat, NumbersCalledScaleAreNotAppliedButToldOf) {
+  const std::string raw =
+      b.matrix(b.head(10, {3, 1}, "raw") + b.element(3, b.numbers<std::int16_t>({1, 2, 3})));
+  const std::string scales = b.doubles("scale", {0.01}) + b.doubles("offset", {0.5});
+  EXPECT_THAT(imported(b.header() + raw + scales).warnings,
+              Contains(HasSubstr("'raw' holds integers, and 'scale', 'offset' beside it are not")));
+  EXPECT_THAT(imported(b.header() + b.doubles("raw", {1, 2, 3}) + scales).warnings,
+              testing::Not(Contains(HasSubstr("not applied"))));
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition

@@ -134,6 +134,9 @@ INSTANTIATE_TEST_SUITE_P(
         Closed{"CDF\x02\x00"sv,
                "a NetCDF file of the classic format, which is not read: save it as NetCDF 4, "
                "which is HDF5 (nccopy -k netCDF-4)"},
+        Closed{"Name\tShot\t\nFile\tC:\\x.csv\t\nStarttime of export\t132959733843760000\n"sv,
+               "a text export of TwinCAT Scope, with times in ms beside each group of channels, "
+               "which is not read: export it as TDMS"},
         Closed{"BZh91AY&SY"sv, "a bzip2-compressed file, which is not read: unpack it first"},
         Closed{"\xFD\x37zXZ\x00"sv, "an xz-compressed file, which is not read: unpack it first"},
         Closed{"\x28\xB5\x2F\xFD\x04"sv,
