@@ -72,7 +72,8 @@ std::string rate_unit(std::string_view unit) {
 
 /// The value of a key, or that of all columns where it is the same.
 std::string_view value_of_all(std::string_view text, Dialect dialect) {
-  const auto cells = values_of_key(text, dialect.delimiter);
+  auto cells = values_of_key(text, dialect.delimiter);
+  std::erase(cells, std::string_view());
   const bool same = cells.size() > 1 && std::ranges::count(cells, cells.front()) ==
                                             static_cast<std::ptrdiff_t>(cells.size());
   // "Analog:2e-8,Digital:0"

@@ -284,9 +284,11 @@ bool take_time(Scanner& scan, DateTime& found) {
   if (behind.take('.') || behind.take(',')) {
     fraction = behind.take_fraction();
   } else if (has_seconds && behind.take(':')) {
-    const auto milliseconds = behind.take_digits(3);
-    if (!milliseconds || milliseconds->count != 3) return false;
-    fraction = milliseconds->value * (second / 1000);
+    const auto parts = behind.take_digits(9);  // milli-, micro- or nanoseconds
+    if (!parts || parts->count % 3 != 0) return false;
+    std::int64_t nanoseconds = parts->value;
+    for (std::size_t digits = parts->count; digits < 9; ++digits) nanoseconds *= 10;
+    fraction = nanoseconds;
   }
   if (fraction) ahead = behind;
   int hours = first->value;

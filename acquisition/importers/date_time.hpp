@@ -31,10 +31,11 @@ struct DateTime {
 
 /// Reads "2024-03-01 12:00:00.5", "2024-03-01T12:00:00,5Z", "20240301T120000.5", "01.03.2024
 /// 12:00", "3/1/2024 1:00:00 PM", "01-Mar-2024 12:00:00", "12:00:00.5 01.03.2024", "12:00:00:500"
-/// (milliseconds) and "30:15.3" (minutes and seconds); blanks, quotes, commas, semicolons, tabs and
-/// bars may stand between date and time; and durations as pandas ("0 days 00:00:00.5") and MATLAB
-/// ("0.5 sec") write them, and times of a clock before its zero ("-00:00:00.1"). A time is rounded to
-/// nanoseconds. None for anything else.
+/// (three, six or nine digits) and "30:15.3" (minutes and seconds); blanks, quotes, commas,
+/// semicolons, tabs and bars may stand between date and time; and durations as pandas ("0 days
+/// 00:00:00.5") and MATLAB
+/// ("0.5 sec") write them, and times of a clock before its zero ("-00:00:00.1"). A time is rounded
+/// to nanoseconds. None for anything else.
 std::optional<DateTime> date_time_in(std::string_view text);
 
 /// Whole seconds as a clock counts them: since 1970 UTC, or, of less than 1e8 (1973), since another
