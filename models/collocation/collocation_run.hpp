@@ -80,6 +80,9 @@ class CollocationRun {
 
   // Events this close are one, as a part of the step.
   static constexpr double coincidence = 1e-9;
+  // Of phases that end at once, one after the other, this many are believed: a step too long for
+  // how a contact begins has its law let go and press again without end.
+  static constexpr int most_stalled = 4;
   // A first contact that ends slower than this part of its approach is to be solved again: errors
   // of the way then count that much more as time.
   static constexpr double slowest_part = 0.1;
@@ -173,6 +176,7 @@ class CollocationRun {
   double parted_ = 0.0;    // the last contact, when it ended [s]
   int level_ = 0;          // of the step to try next
   bool rejected_ = false;  // the one before was
+  int stalled_ = 0;        // phases that ended at once, without a step between
   RefusedLevel refused_;   // by its error
   bool done_ = false;
   std::chrono::steady_clock::time_point started_;

@@ -437,6 +437,37 @@ TEST(HardContact, AForceThatRisesBeforeTheFirstNodeMakesTheFirstStepShorter) {
         << accuracy;
 }
 
+// A step too long for how strong damping begins had its law act and cease again at the same time:
+// 500 000 such steps were rejected before a second stop, until the time limit.
+TEST(HardContact, ALawThatActsAndCeasesAtOnceMakesStepsShorter) {
+  Rig rig = paper_rig();
+  rig.beam = rectangular_bar(0.48894181752888111, 0.013912045960845894, 0.013344887660073114,
+                             1.05e11, 8500.0, 0.34);
+  rig.beam.damping.stiffness = 3.4908635835624319e-7;
+  set_contact({.counterface = Counterface::cylinder,
+               .radius = 0.0073481528378258349,
+               .counter_radius = 0.0046026877856347398,
+               .length = 0.0094275384888819497,
+               .modulus = 1.05e11,
+               .counter_modulus = 1.1e11},
+              rig.contact);
+  rig.contact.poisson_ratio = rig.contact.counter_poisson_ratio = 0.34;
+  rig.contact.position = 0.23960997058687125;
+  rig.contact.law = "johnson";
+  rig.contact.damping = "jankowski";
+  rig.contact.restitution = 0.05;
+  rig.start.velocity = 0.11305616354366685;
+  rig.gravity = 9.81;
+  rig.gravity_direction = std::numbers::pi / 4.0;
+  rig.further_stops = {
+      {.contact = rig.contact, .side = StopSide::far, .gap = 0.00015958359571008449}};
+  rig.further_stops[0].contact.position = 0.22687003442762443;
+  const Simulation run =
+      simulate_as(Motion::small, rig, hybrid(Basis::cantilever, 12, 1e-3, 0.1), 1e-3);
+  EXPECT_EQ(run.duration, 0.1);
+  EXPECT_LT(run.cost.rejected, 10 * run.cost.steps);
+}
+
 /// Takes no step once a contact is over, or from the start.
 class StallingMotion final : public ModalMotion {
  public:
