@@ -15,6 +15,7 @@
 #include "app/quantity_option.hpp"
 #include "datasets/input_error.hpp"
 #include "fitting/force_curve.hpp"
+#include "fitting/mesh_choice.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/simulation.hpp"
 

@@ -20,6 +20,7 @@
 #include "datasets/sample_filter.hpp"
 #include "fitting/fit.hpp"
 #include "fitting/fit_keys.hpp"
+#include "fitting/mesh_choice.hpp"
 #include "fitting/other_model.hpp"
 #include "fitting/parameters.hpp"
 #include "fitting/plausibility.hpp"

@@ -10,6 +10,7 @@
 #include "app/program.hpp"
 #include "app/quantity_option.hpp"
 #include "datasets/record.hpp"
+#include "fitting/mesh_choice.hpp"
 #include "fitting/rig_file.hpp"
 #include "fitting/sensitivity_parameters.hpp"
 #include "models/explain.hpp"
@@ -234,6 +235,8 @@ void simulate(const Options& options) {
   if (!simulation.mesh_error)
     simulation.mesh_error = models::mesh_error(rig.rig, simulation.solver,
                                                time_for_mesh_error(simulation.cost, limit.left()));
+  for (std::string& warning : fitting::mesh_warnings(rig, simulation))
+    simulation.warnings.push_back(std::move(warning));
   if (!options.output.empty())
     acquisition::export_recording(history_record(simulation.history, rig, sensitivities),
                                   options.output);

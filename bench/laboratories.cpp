@@ -26,6 +26,7 @@
 #include "acquisition/synthetic.hpp"
 #include "bench/recorded_shot.hpp"
 #include "fitting/fit.hpp"
+#include "fitting/mesh_choice.hpp"
 #include "fitting/rig_file.hpp"
 
 namespace {

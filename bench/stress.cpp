@@ -33,6 +33,7 @@
 #include "bench/random_scene.hpp"
 #include "bench/stress_outcome.hpp"
 #include "datasets/record.hpp"
+#include "fitting/mesh_choice.hpp"
 #include "fitting/rig_file.hpp"
 #include "models/mesh_error.hpp"
 #include "models/simulation.hpp"

@@ -20,6 +20,7 @@
 #include "fitting/fit_search.hpp"
 #include "fitting/further_intervals.hpp"
 #include "fitting/identifiability.hpp"
+#include "fitting/mesh_choice.hpp"
 #include "fitting/mesh_shift.hpp"
 #include "fitting/motion_choice.hpp"
 #include "models/mesh_error.hpp"

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "datasets/input_error.hpp"
+#include "fitting/mesh_choice.hpp"
 #include "fitting/toml_reader.hpp"
 #include "fitting/wishes.hpp"
 #include "models/contact/damping_law.hpp"

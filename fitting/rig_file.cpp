@@ -231,7 +231,9 @@ void read_solver(TableReader& table, RigFile& file) {
     file.mesh_stated = true;
     solver.elements = elements_of(table, *elements, file.rig);
   }
-  solver.modes = read_modes(table, "modes", 1).value_or(solver.modes);
+  const std::optional<int> modes = read_modes(table, "modes", 1);
+  file.modes_stated = modes.has_value();
+  solver.modes = modes.value_or(solver.modes);
   solver.axial_modes = read_modes(table, "axial_modes", 0).value_or(solver.axial_modes);
   if (const auto basis = table.choice("basis", {"cantilever", "pinned-free"}))
     solver.basis = static_cast<models::Basis>(*basis);
@@ -540,54 +542,6 @@ RigFile read_rig_file(const std::string& path, const std::vector<Override>& over
   text << stream.rdbuf();
   if (!stream) throw datasets::FileError(path, "cannot be read");
   return parse_rig_file(text.str(), path, overrides, without);
-}
-
-MeshChoice choose_mesh(RigFile& file, int finest) {
-  if (file.mesh_stated) return {};
-  const double time_limit = file.solver.time_limit;
-  const models::ChosenMesh chosen = models::choose_mesh(file.rig, file.solver, finest);
-  file.solver = chosen.solver;
-  file.mesh_stated = file.mesh_chosen = true;
-  const models::Solver& solver = file.solver;
-  const std::string taken =
-      fmt::format("The rig file leaves the mesh open: ANCF with [{}, {}] elements was taken; ",
-                  solver.elements[0], solver.elements[1]);
-  if (!std::isfinite(chosen.error))
-    return {.sentence = taken + "its error could not be estimated.",
-            .warning =
-                "The error of the mesh that was taken could not be estimated: state "
-                "solver.elements, and compare with twice as many.",
-            .difference = {}};
-  std::string sensor;
-  if (file.rig.stop) sensor = ", and the sensor's largest force,";
-  if (chosen.sensor_until)
-    sensor = fmt::format(", and the sensor's largest force up to {:.4g} s,", *chosen.sensor_until);
-  const std::string of_what = file.rig.has_stop()
-                                  ? "in peak force, duration and impulse" + sensor
-                                  : "in where the tip is, as a part of the bar's length,";
-  const std::string estimate =
-      fmt::format("its error {} is estimated at {:.1g} at most", of_what, chosen.error);
-  if (chosen.error <= solver.accuracy)
-    return {
-        .sentence = fmt::format("{}{}, for an accuracy of {:g}.", taken, estimate, solver.accuracy),
-        .warning = {},
-        .difference = chosen.difference};
-  using End = models::ChosenMesh::End;
-  const std::string why =
-      chosen.end == End::finest
-          ? fmt::format("no more than {} elements are taken by themselves", finest)
-      : chosen.end == End::time
-          ? fmt::format("finer ones would take more than half of solver.time_limit, {:g} s",
-                        time_limit)
-          : "finer ones could not be compared";
-  return {
-      .sentence = fmt::format("{}{}, more than the accuracy of {:g} asked for; {}.", taken,
-                              estimate, solver.accuracy, why),
-      .warning = fmt::format("The mesh is too coarse for the accuracy of {:g} asked for: {}; "
-                             "{}. State solver.elements, a longer solver.time_limit or a larger "
-                             "solver.accuracy.",
-                             solver.accuracy, estimate, why),
-      .difference = chosen.difference};
 }
 
 }  // namespace impactrig::fitting

@@ -27,8 +27,9 @@ struct RigFile {
   std::vector<std::string> remarks = {};  ///< of what is stated in vain, or twice
   std::vector<Section<>> sections;        ///< of the bar's segments, of a uniform bar its only one
   models::Solver solver;
-  bool mesh_stated = false;  ///< the file names elements, or a model without
-  bool mesh_chosen = false;  ///< by choose_mesh(): a fit may take a finer one
+  bool mesh_stated = false;   ///< the file names elements, or a model without
+  bool mesh_chosen = false;   ///< by choose_mesh(): a fit may take a finer one
+  bool modes_stated = false;  ///< the file says how many a hybrid model has
   std::optional<datasets::Sensor> force, velocity, displacement;
   std::vector<datasets::ConditioningStep> conditioning;  ///< what is done to recordings, in order
   double mains_frequency = 50.0;                         ///< of the hum in the recordings [Hz]
@@ -50,18 +51,5 @@ RigFile read_rig_file(const std::string& path, const std::vector<Override>& over
 RigFile parse_rig_file(const std::string& text, const std::string& path,
                        const std::vector<Override>& overrides = {},
                        const std::vector<std::string>& without = {});
-
-// Of a single run, and of a fit's, which are many: its intervals are widened by what is left.
-inline constexpr int finest_mesh = 256, finest_mesh_of_fits = 64;
-
-/// The mesh that was chosen where the rig file leaves it open; all empty where it does not.
-struct MeshChoice {
-  std::string sentence;  ///< which it is, and its error
-  std::string warning;   ///< where it is not known to be as accurate as asked for
-  std::optional<models::MeshError> difference;  ///< ChosenMesh::difference
-};
-
-/// Chooses the mesh for the accuracy asked for, up to so many elements.
-MeshChoice choose_mesh(RigFile& file, int finest);
 
 }  // namespace impactrig::fitting

@@ -57,20 +57,6 @@ TEST(RigFile, WorksWithoutSolverAndSensors) {
   EXPECT_FALSE(file.solver.duration.has_value());
 }
 
-TEST(RigFile, ChoosesTheMeshItLeavesOpen) {
-  const std::string text(paper_rig);
-  const std::string silent = text.substr(0, text.find("[solver]"));
-  RigFile coarse = parse_rig_file(silent, "rig.toml", {{"solver.accuracy", "0.05"}});
-  RigFile fine = parse_rig_file(silent, "rig.toml", {{"solver.accuracy", "0.005"}});
-  EXPECT_NE(choose_mesh(coarse, finest_mesh).sentence.find("was taken"), std::string::npos);
-  EXPECT_NE(choose_mesh(fine, finest_mesh).sentence.find("for an accuracy of 0.005"),
-            std::string::npos);
-  EXPECT_LT(coarse.solver.elements[0], fine.solver.elements[0]);
-  EXPECT_EQ(choose_mesh(fine, finest_mesh).sentence, "");  // once chosen it is stated
-  RigFile stated = parse_rig_file(silent, "rig.toml", {{"solver.elements", "[14, 2]"}});
-  EXPECT_EQ(choose_mesh(stated, finest_mesh).sentence, "");
-}
-
 TEST(RigFile, SaysWhereWhatItRefusesWasStated) {
   EXPECT_THAT(message_of(paper_rig, {{"foo.bar", "1"}}),
               testing::StartsWith("--set foo.bar: foo: there is no such key here"));
