@@ -19,9 +19,10 @@ using datasets::ImpactSignal;
 
 namespace {
 
-constexpr double any_restitution = 2.5;  ///< beyond it no restitution explains a ratio
-constexpr double any_speed = 10.0;       ///< where the approach speed is the rig file's only
-constexpr double alike = 1.8;            ///< between a ratio and a known factor: e is open
+constexpr double any_restitution = 2.5;   ///< beyond it no restitution explains a ratio
+constexpr double any_speed = 10.0;        ///< where the approach speed is the rig file's only
+constexpr double any_other_speed = 30.0;  ///< than the rig file's, of a shot that fits itself
+constexpr double alike = 1.8;             ///< between a ratio and a known factor: e is open
 
 struct KnownFactor {
   double factor;
@@ -88,6 +89,24 @@ std::optional<double> measured_speed(const Impact& impact, const RigFile& file) 
   const double spot = file.velocity->position;
   return spot > 0.0 ? impact.approach_velocity * file.rig.contact.position / spot
                     : impact.approach_velocity;
+}
+
+/// A velocity that shows nothing where the bar has to have come with `expected` [m/s] at the struck
+/// point; "" where it shows something, or may not have to.
+std::string silent_velocity(const Impact& impact, const RigFile& file, double expected) {
+  constexpr double far_above_noise = 20.0;
+  if (!impact.velocity || (file.velocity && file.velocity->low_cut)) return {};
+  const double spot = file.velocity ? file.velocity->position : 0.0;
+  const double there = spot > 0.0 ? expected * spot / file.rig.contact.position : expected;
+  const double noise = impact.velocity->noise;
+  if (!(there > far_above_noise * noise) || std::abs(impact.approach_velocity) > 3.0 * noise)
+    return {};
+  return fmt::format(
+      "The velocity shows nothing before touch (noise of {:.2g} m/s), where the force's impulse "
+      "needs a bar that arrives with {:.2g} m/s: the laser had no signal, the channel is another, "
+      "or "
+      "its decoder does not go down to 0 Hz (sensors.velocity.low_cut states that).",
+      noise, there);
 }
 
 /// Over the time that the measured contact took.
@@ -197,7 +216,19 @@ std::optional<MomentumBalance> momentum_balance(const Impact& impact, const RigF
   balance.ratio = balance.measured / balance.expected;
   if (!(balance.ratio > 0.0)) return std::nullopt;  // another flag: polarity
   balance.plausible = within(balance.ratio, measured ? any_restitution : any_speed);
-  if (balance.plausible) return balance;
+  if (balance.plausible && !measured) {
+    balance.sentence = silent_velocity(impact, file, speed * balance.ratio);
+    balance.plausible = balance.sentence.empty();
+    return balance;
+  }
+  if (balance.plausible && !within(speed_ratio, any_other_speed)) {
+    balance.plausible = false;
+    balance.sentence = fmt::format(
+        "Force and velocity fit each other, but the measured approach speed, {:.3g} m/s, is {} "
+        "against the {:.3g} m/s that the rig file states.",
+        speed * speed_ratio, off_by(speed_ratio, false), speed);
+  }
+  if (balance.plausible || !balance.sentence.empty()) return balance;
   balance.sentence = fmt::format(
       "The force's impulse, {} N s, is {} for a bar of this rig that arrives with {:.3g} m/s "
       "({}): {} N s are expected.",

@@ -26,7 +26,9 @@ struct MomentumBalance {
 /// a ratio beyond 2.5 either way is a wrong unit, sensitivity, gain or rig; beyond 10 where no
 /// velocity was recorded, or one that does not go down to 0 Hz. A laser spot elsewhere on the bar
 /// is taken into account. Where the rig states its approach speed, what of the two records is off
-/// by itself is named.
+/// by itself is named, and both where they fit each other at more than 30 times that speed, or less
+/// than a 30th. So is a velocity that shows nothing but noise where the impulse needs 20 times as
+/// much.
 ///
 /// Where the contact's duration is off by a factor of 1e3 or 1e6, too, against a rigid bar's (4
 /// either way), the times are named and not the force.

@@ -92,6 +92,28 @@ TEST(MomentumBalance, NamesAWrongVelocityUnit) {
   EXPECT_THAT(balance->sentence, testing::Not(testing::HasSubstr("states the force is")));
 }
 
+// A recorder in mV for V on all channels: 441 m/s for 0.441 was silent.
+TEST(MomentumBalance, NamesASpeedThatNoShotOfTheRigHas) {
+  const auto balance = momentum_balance(shot(0.5, 0.441, 1e-3, 1e-3), paper());
+  ASSERT_TRUE(balance);
+  EXPECT_FALSE(balance->plausible);
+  EXPECT_THAT(balance->sentence, HasSubstr("the measured approach speed, 441 m/s, is 1000 times"));
+}
+
+TEST(MomentumBalance, NamesAVelocityThatShowsNothing) {
+  Impact silent = shot(0.5, 0.441);
+  silent.approach_velocity = 2e-4;
+  silent.velocity->noise = 1e-3;
+  const auto balance = momentum_balance(silent, paper());
+  ASSERT_TRUE(balance);
+  EXPECT_FALSE(balance->plausible);
+  EXPECT_THAT(balance->sentence, HasSubstr("The velocity shows nothing before touch"));
+  silent.velocity->noise = 0.05;  // it might hide there
+  EXPECT_TRUE(momentum_balance(silent, paper())->plausible);
+  silent.velocity.reset();
+  EXPECT_TRUE(momentum_balance(silent, paper())->plausible);
+}
+
 /// The same shot with times in another unit.
 Impact retimed(Impact impact, double factor) {
   impact.start *= factor;
@@ -165,7 +187,8 @@ TEST(MomentumBalance, DoesNotTrustASpeedThatIsFilteredAway) {
   impact.approach_velocity = 2e-3;
   EXPECT_TRUE(momentum_balance(impact, file)->plausible);
   impact.velocity->noise = 1e-3;
-  EXPECT_TRUE(momentum_balance(impact, paper())->plausible);
+  EXPECT_TRUE(momentum_balance(impact, file)->plausible);
+  EXPECT_THAT(momentum_balance(impact, paper())->sentence, HasSubstr("sensors.velocity.low_cut"));
 }
 
 TEST(MomentumBalance, IsNoneWithoutForceOrContact) {
