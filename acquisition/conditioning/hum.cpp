@@ -28,6 +28,10 @@ constexpr double significant = 4.0;  ///< standard errors
 /// Standard deviation of a grid's frequency from the stated one, as a part of it: 50 mHz of 50 Hz.
 constexpr double mains_wander = 1e-3;
 
+// Of half a period a sinusoid and a line are nearly a parabola: multiples took the place of the
+// mains, and what came off was off by up to 57 times what was stated; of 0.73 by no more than that.
+constexpr double fewest_periods = 0.7;
+
 /// Leaves out the least significant multiple until all that is left is significant.
 HumFit significant_part(const HumPoints& points, double frequency, int harmonics) {
   std::vector<int> multiples = hum_multiples(harmonics);
@@ -117,6 +121,12 @@ Edit remove_hum(Channel& channel, const RemoveHum& hum, const datasets::RemoveDe
   const HumPoints& quiet_points = found.points;
   const double frequency = found.frequency;
   const bool from_data = found.from_data;
+  if (const double periods = quiet_points.span() * frequency; periods < fewest_periods)
+    throw std::invalid_argument(fmt::format(
+        "the quiet samples of channel '{}' span {:.2g} of a period of the mains, which does not "
+        "tell hum from drift, nor the mains from their multiples: record at least a period before "
+        "the trigger, or leave this step out",
+        channel.name, periods));
   const HumFit fit = significant_part(quiet_points, frequency, hum.harmonics);
 
   Edit edit{"remove hum", channel.name, {{"quiet", text_of(hum.quiet)}}};
