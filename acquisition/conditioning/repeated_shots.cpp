@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 #include <string_view>
 #include <utility>
 
+#include "acquisition/conditioning/background.hpp"
 #include "acquisition/conditioning/delay.hpp"
 #include "acquisition/conditioning/dropouts.hpp"
 #include "acquisition/conditioning/trace.hpp"
@@ -110,6 +113,40 @@ void leave_out_other_triggers(std::vector<Shot>& shots, std::vector<std::string>
     warnings.push_back(fmt::format(
         "{} is not in the mean: its impact is found in '{}' ({}), that of the others in '{}' ({}).",
         file_of(shot), trigger.name, name(trigger.quantity), usual.name, name(usual.quantity)));
+    return true;
+  });
+}
+
+std::optional<double> peak_of(const Shot& shot) {
+  return std::abs(shot.impact.peak);
+}
+
+/// None of a shot without a velocity.
+std::optional<double> speed_of(const Shot& shot) {
+  if (!shot.impact.velocity) return std::nullopt;
+  return std::abs(approach_of(shot));
+}
+
+/// Takes out shots whose `value` is off that of the middle one by a factor, another unit or range,
+/// or is nothing: a laser without a signal. Of fewer than three shots none is the odd one.
+template <typename Value>
+void leave_out_far_off(std::string_view what, const Value& value, std::vector<Shot>& shots,
+                       std::vector<std::string>& warnings) {
+  constexpr std::size_t fewest = 3;
+  constexpr double far_off = 5.0;
+  std::vector<double> values;
+  for (const Shot& shot : shots)
+    if (const auto known = value(shot)) values.push_back(*known);
+  if (values.size() < fewest) return;
+  const double usual = median(std::move(values));
+  if (!(usual > 0.0)) return;
+  std::erase_if(shots, [&](const Shot& shot) {
+    const double ratio = value(shot).value_or(usual) / usual;
+    if (ratio < far_off && ratio > 1.0 / far_off) return false;
+    warnings.push_back(fmt::format("{} is not in the mean: its {} is {}.", file_of(shot), what,
+                                   ratio > 0.0
+                                       ? fmt::format("{:.3g} times that of the usual shots", ratio)
+                                       : "not to be seen"));
     return true;
   });
 }
@@ -245,6 +282,8 @@ std::vector<Shot> usable_shots(std::span<Record> records, const DetectionOptions
   leave_out_opposite(
       "peak", [](const Shot& shot) { return shot.impact.peak; }, shots, warnings);
   leave_out_opposite("approach velocity", approach_of, shots, warnings);
+  leave_out_far_off("peak", peak_of, shots, warnings);
+  leave_out_far_off("approach velocity", speed_of, shots, warnings);
   if (shots.size() < 2)
     throw InputError(
         whole_file(records.empty() ? "" : records.front().provenance.source_file),

@@ -467,6 +467,25 @@ TEST(AverageShots, LeavesOutChannelsThatHaveNoMean) {
           "Channel 'Later' is not in the mean: the shots have no time of it in common."));
 }
 
+// A laser without a signal, and other units: they went into the mean, the first without a word.
+TEST(AverageShots, LeavesOutShotsThatAreFarOff) {
+  const auto mean_with = [](std::size_t channel, double factor) {
+    std::vector<Record> shots;
+    for (int k = 0; k < 4; ++k) shots.push_back(shot(k, 2.0));
+    datasets::Channel& off = shots[2].channels.at(channel);
+    std::vector<double> values = off.values();
+    for (double& value : values) value *= factor;
+    off.raw = std::move(values);
+    return average_shots(shots).warnings;
+  };
+  EXPECT_THAT(mean_with(1, 0.0), testing::ElementsAre("shot2.csv is not in the mean: its approach "
+                                                      "velocity is not to be seen."));
+  EXPECT_THAT(mean_with(1, 1e3), testing::ElementsAre(testing::HasSubstr(
+                                     "its approach velocity is 1e+03 times that of the usual")));
+  EXPECT_THAT(mean_with(0, 1e-3),
+              testing::Contains(testing::HasSubstr("its peak is 0.001 times that of the usual")));
+}
+
 // Be it the first shot that lacks it.
 TEST(AverageShots, NamesTheShotsThatLackAChannel) {
   for (const std::size_t without : {std::size_t{0}, std::size_t{2}}) {
