@@ -311,6 +311,14 @@ DelayEstimate estimate_delay(const Channel& reference, const Channel& channel,
     throw std::invalid_argument(
         fmt::format("channel '{}' does not follow '{}': what is left over is {} of what does",
                     channel.name, reference.name, datasets::figures(result.misfit, 2)));
+  // a delay of which nothing is known is that unsure
+  if (const double unknown = range / std::sqrt(3.0); result.uncertainty > unknown)
+    throw std::invalid_argument(fmt::format(
+        "the delay of channel '{}' against '{}' is uncertain by {:.2g} s, as much as if nothing "
+        "but "
+        "the range of {:.2g} s either way were known; a low-pass before may help, else state the "
+        "delay",
+        channel.name, reference.name, result.uncertainty, range));
   return result;
 }
 

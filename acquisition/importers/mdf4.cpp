@@ -214,6 +214,9 @@ class MdfReader {
     group.records = is_stale(cycles) ? there : std::min(cycles, there);
     if (cycles > there && group.record_bytes != 0 && !counts_stale_)
       warn(mdf_short(name, cycles, there));
+    else if (cycles < there && group.records == cycles && group.record_bytes != 0)
+      warn(fmt::format("{} announces {} records, {} are there: the last ones are not read", name,
+                       cycles, there));
   }
 
   /// A channel group whose records stand among those of others, before its channels are made.

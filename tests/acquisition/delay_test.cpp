@@ -257,6 +257,24 @@ TEST(EstimateDelay, RefusesWhatHasNoRelation) {
   EXPECT_NE(refusal(velocity, velocity, window, 0.0), "");
 }
 
+// It was taken off, with an uncertainty of more than the range: right clocks were moved.
+TEST(EstimateDelay, RefusesWhatTellsNoMoreThanTheRange) {
+  int unknown = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<double> noisy = sampled(at, struck_velocity);
+    add_noise(noisy, 0.03, seed);
+    const std::string why =
+        refusal(force_of(at, sampled(at, force_at)), velocity_of(at, noisy), to_peak(), 10e-6);
+    if (why.find("as much as if nothing but the range of 1e-05 s") != std::string::npos) ++unknown;
+    if (!why.empty()) continue;
+    EXPECT_LE(
+        estimate_delay(force_of(at, sampled(at, force_at)), velocity_of(at, noisy), to_peak(), 10e-6)
+            .uncertainty,
+        10e-6 / std::sqrt(3.0));
+  }
+  EXPECT_GE(unknown, 3);
+}
+
 /// A velocity of a ringing bar and its integral, exact.
 double ringing_velocity(double t) {
   const double part = std::clamp(t / width, 0.0, 1.0);

@@ -295,6 +295,23 @@ TEST(Mdf4, WhatIsNoNumberIsLeftOutAndTold) {
             "4 channels of texts, byte arrays or record numbers are left out: 's', 'v', 'b', ...");
 }
 
+// They were left out without a word.
+TEST(Mdf4, RecordsBeyondTheCountAreToldOf) {
+  const MdfTicks ticks({0, 2, 4, 6});
+  for (const std::uint64_t count : {2U, 0U}) {
+    MdfFile file;
+    const std::uint64_t group = file.group(file.channels(MdfTicks::channels(file)), count, 7);
+    const std::uint64_t header = file.data_group(group, 0);
+    file.put(header + 24 + 16, bytes_of_number(file.block("DT", {}, ticks.bytes)));
+    const auto record = imported(file.with(header));
+    EXPECT_EQ(record.channels.at(0).size(), count);
+    EXPECT_THAT(record.warnings,
+                testing::Contains(fmt::format("group 0 announces {} records, 4 are there: the last "
+                                              "ones are not read",
+                                              count)));
+  }
+}
+
 TEST(Mdf4, CutAndUnfinishedFilesGiveWhatIsThere) {
   const MdfTicks ticks({0, 2, 4, 6});
   MdfFile cut;
