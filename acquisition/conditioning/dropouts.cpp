@@ -251,6 +251,49 @@ std::optional<Dropout> dropout_in(std::span<const double> y, const std::vector<s
   return dropout;
 }
 
+/// How many of the pairs of neighbours in a stretch are equal, as a part of them.
+double share_of_equal(std::span<const double> y) {
+  std::size_t equal = 0;
+  for (std::size_t i = 1; i < y.size(); ++i) equal += y[i] == y[i - 1] ? 1 : 0;
+  return y.size() > 1 ? as_double(equal) / as_double(y.size() - 1) : 1.0;
+}
+
+/// A laser without light may show its last value: equal samples, more than chance brings about
+/// beside others that differ, which end with a step. At an end of the signal they are a range's.
+std::vector<Dropout> held_values(std::span<const double> y, const std::vector<std::uint8_t>& valid,
+                                 std::size_t longest, const Measure& measure) {
+  constexpr std::size_t fewest = 8;
+  constexpr double by_chance = 1e-6;  // in the whole record
+  const auto [lowest, highest] = std::ranges::minmax(y);
+  const double step = std::max(gate * measure.noise, least_part * measure.span);
+  std::vector<Dropout> held;
+  for (std::size_t begin = 1; begin + fewest < y.size();) {
+    std::size_t end = begin + 1;
+    while (end < y.size() && y[end] == y[begin]) ++end;
+    const std::size_t next = end, samples = end - begin;
+    const double level = y[begin];
+    const bool candidate = samples >= fewest && samples <= longest && end < y.size() &&
+                           level > lowest && level < highest && std::abs(y[end] - level) > step;
+    if (candidate) {
+      const std::size_t left = begin > 4 * samples ? begin - 4 * samples : 0;
+      const std::size_t right = std::min(y.size(), end + 4 * samples);
+      const double equal = std::max(share_of_equal(y.subspan(left, begin - left)),
+                                    share_of_equal(y.subspan(end, right - end)));
+      const auto bridge = bridge_over(y, valid, begin + 1, end);  // the first was seen
+      if (bridge && as_double(y.size()) * std::pow(equal, as_double(samples - 1)) < by_chance) {
+        Dropout dropout{begin + 1, end, 0.0};
+        for (std::size_t i = dropout.begin; i < end; ++i)
+          if (const double departure = level - bridge->at(i);
+              std::abs(departure) > std::abs(dropout.departure))
+            dropout.departure = departure;
+        held.push_back(dropout);
+      }
+    }
+    begin = next;
+  }
+  return held;
+}
+
 }  // namespace
 
 std::vector<Dropout> find_dropouts(std::span<const double> values,
@@ -277,6 +320,13 @@ std::vector<Dropout> find_dropouts(std::span<const double> values,
       if (last == e) break;
     }
   }
+  for (const Dropout& held : held_values(values, valid, longest, measure)) {
+    const bool known = std::ranges::any_of(dropouts, [&held](const Dropout& other) {
+      return other.begin < held.end && held.begin < other.end;
+    });
+    if (!known) dropouts.push_back(held);
+  }
+  std::ranges::sort(dropouts, {}, &Dropout::begin);
   return dropouts;
 }
 

@@ -251,6 +251,38 @@ double stopped(double t, double rest) {
 }
 
 // Where it must not act: a bar at rest is no dropout, at any rate and for any time.
+// The last value stands until there is light again: of 60 such losses within a contact, of up to
+// 0.2 m/s, none was found.
+TEST(RepairDropouts, FindsAValueThatIsHeld) {
+  const Sampling at;
+  for (const std::uint64_t seed : {1U, 2U, 3U})
+    for (const std::size_t length : {std::size_t{20}, std::size_t{60}}) {
+      std::vector<double> y = sampled(at, swing);
+      add_noise(y, 1.5e-3, seed);
+      const auto begin = static_cast<std::size_t>((60e-6 - at.start) / at.interval);
+      for (std::size_t i = begin + 1; i < begin + length; ++i) y[i] = y[begin];
+      auto velocity = velocity_of(at, y);
+      EXPECT_EQ(repair_dropouts(velocity, {}).parameters.at("found"), "1");
+      for (std::size_t i = 0; i < at.samples; ++i)
+        ASSERT_EQ(velocity.valid.at(i) == 0, i > begin && i < begin + length) << i;
+    }
+}
+
+// A recorder that shows each value twelve times, and one of steps so coarse that a bar at rest is
+// between two of them.
+TEST(RepairDropouts, TakesNoRepeatedValuesForALoss) {
+  const Sampling at;
+  std::vector<double> y = sampled(at, swing);
+  add_noise(y, 1.5e-3, 4);
+  std::vector<double> coarse = y;
+  for (std::size_t i = 0; i < at.samples; ++i) y[i] = y[i - i % 12];
+  auto repeated = velocity_of(at, y);
+  EXPECT_EQ(repair_dropouts(repeated, {}).parameters.at("found"), "0");
+  for (double& value : coarse) value = 0.02 * std::round(value / 0.02);
+  auto stepped = velocity_of(at, coarse);
+  EXPECT_EQ(repair_dropouts(stepped, {}).parameters.at("found"), "0");
+}
+
 TEST(RepairDropouts, TakesNoBarAtRestForALoss) {
   for (const double interval : {1e-6, 5e-6, 10e-6, 20e-6, 50e-6})
     for (const double rest : {30e-6, 100e-6, 250e-6, 1e-3, 1.0})
