@@ -394,7 +394,9 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
   std::vector<const RecordedSignal*> sources{&trigger};
   for (const Quantity quantity : {Quantity::force, Quantity::velocity, Quantity::displacement}) {
     if (quantity == chosen.quantity) continue;
-    if (const Channel* const channel = first_of(record, quantity)) {
+    // a laser without a signal says nothing of a force
+    if (const Channel* const channel = first_of(record, quantity);
+        channel != nullptr && has_sound_sample(*channel)) {
       others.push_back(source_of(*channel, record));
       sources.push_back(&others.back());
     }

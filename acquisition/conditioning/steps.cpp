@@ -160,13 +160,13 @@ class Conditioning {
   }
 
   void act(const datasets::LowPass& action, std::size_t index) {
-    const bool clipped = first_is_clipped();
+    const FirstImpact before = first_impact();
     tell_again(action, index);
     LowPassed result = low_pass(channel(index), action);
     note(std::move(result.edit));
     const std::string what = fmt::format("low-pass at {:g} Hz", action.cutoff);
     tell_loss(result.lost, what, index);
-    tell_hidden_rail(clipped, what, index);
+    tell_hidden(before, what, index);
   }
 
   /// As a map that is stated for what it has made.
@@ -184,27 +184,42 @@ class Conditioning {
                       channel(index).name, action.cutoff));
   }
 
-  /// Whether the first impact's samples, no note, give it the flag; not when there is none.
-  bool first_is_clipped() {
+  /// What a filter may hide of the first impact.
+  struct FirstImpact {
+    bool clipped = false, lost = false;  ///< a laser's samples, which nobody marked
+  };
+
+  /// By its samples, no note; neither when there is none.
+  FirstImpact first_impact() {
     std::vector<Edit> edits = std::exchange(record_.provenance.edits, {});
-    bool clipped = false;
+    FirstImpact first;
     try {
       const std::vector<Impact> impacts = find_impacts(record_, detection_);
-      clipped = !impacts.empty() && impacts.front().has(datasets::ImpactFlag::clipped);
+      if (!impacts.empty())
+        first = {impacts.front().has(datasets::ImpactFlag::clipped),
+                 impacts.front().has(datasets::ImpactFlag::unmarked_dropout)};
     } catch (const InputError&) {
     }
     record_.provenance.edits = std::move(edits);
-    return clipped;
+    return first;
   }
 
-  /// A filter makes of a flat top a crest, whose samples a fit does not know to leave out.
-  void tell_hidden_rail(bool was_clipped, std::string_view what, std::size_t index) {
-    if (!was_clipped || first_is_clipped()) return;
-    record_.warnings.push_back(fmt::format(
-        "The {} hides that '{}' was clipped: peak and impulse are too small, and a fit no longer "
-        "knows which samples to leave out; leave the step out, and record again with a larger "
-        "range.",
-        what, channel(index).name));
+  /// A filter makes of a flat top a crest and of a dropout a dent, whose samples a fit does not
+  /// know to leave out.
+  void tell_hidden(const FirstImpact& before, std::string_view what, std::size_t index) {
+    if (!before.clipped && !before.lost) return;
+    const FirstImpact after = first_impact();
+    if (before.clipped && !after.clipped)
+      record_.warnings.push_back(fmt::format(
+          "The {} hides that '{}' was clipped: peak and impulse are too small, and a fit no longer "
+          "knows which samples to leave out; leave the step out, and record again with a larger "
+          "range.",
+          what, channel(index).name));
+    if (before.lost && !after.lost)
+      record_.warnings.push_back(fmt::format(
+          "The {} hides that '{}' has dropouts that nobody marked: what it made of them is part of "
+          "the signal now. Put the step dropouts before it.",
+          what, channel(index).name));
   }
 
   void tell_loss(double lost, std::string_view to_what, std::size_t index) {
@@ -265,12 +280,12 @@ class Conditioning {
   }
 
   void act(const datasets::Resample& action, std::size_t index) {
-    const bool clipped = first_is_clipped();
+    const FirstImpact before = first_impact();
     Resampled result = resample(channel(index), action);
     note(std::move(result.edit));
     const std::string what = fmt::format("resampling to {:g} Hz", action.rate);
     tell_loss(result.lost, what, index);
-    tell_hidden_rail(clipped, what, index);
+    tell_hidden(before, what, index);
     if (result.gaps == 0) return;
     record_.warnings.push_back(fmt::format(
         "'{}' has {} gap{} in its times, {}{:g} s long: {} of the resampled values lie in {} and "

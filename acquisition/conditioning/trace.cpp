@@ -55,6 +55,12 @@ void bridge_invalid(std::vector<double>& values, const std::vector<std::uint8_t>
   }
 }
 
+bool has_sound_sample(const Channel& channel) {
+  for (std::size_t i = 0; i < channel.size(); ++i)
+    if (channel.is_valid(i) && std::isfinite(channel.value(i))) return true;
+  return false;
+}
+
 Trace trace_of(const Channel& channel, const std::string& file) {
   refuse_unusable_clock(channel, file);
   const auto to_si = datasets::conversion(channel.unit, si_unit(channel.quantity));

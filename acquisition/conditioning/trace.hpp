@@ -43,6 +43,9 @@ inline datasets::SourcePosition whole_file(const std::string& file) {
 /// clock has no or no uniform step.
 void refuse_unusable_clock(const datasets::Channel& channel, const std::string& file);
 
+/// Whether any sample is valid and finite.
+bool has_sound_sample(const datasets::Channel& channel);
+
 /// Throws datasets::InputError (place: `file`) besides when the unit cannot be converted to that of
 /// the channel's quantity, or no sample is sound. Samples that are not finite count as invalid.
 Trace trace_of(const datasets::Channel& channel, const std::string& file);

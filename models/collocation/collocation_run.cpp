@@ -161,8 +161,17 @@ void CollocationRun::judge(bool solved) {
     take_or_land();
   else
     take_shorter();
-  if (getenv("DBG") && result_.cost.rejected > 3000 && result_.cost.rejected < 3040) fprintf(stderr, "t %.17g err %g part %g end %d level %d rej %d h %g |", t_, tried_.error, tried_.part, (int)tried_.end, level_, (int)rejected_, bar_.step());
-  if (getenv("DBG") && result_.cost.rejected > 3000 && result_.cost.rejected < 3040) { for (auto& q : points_) { auto m = q.struck(); fprintf(stderr, " ph %d ev %d d %g v %g", (int)q.phase(), (int)q.event(), m.displacement, m.velocity);} fprintf(stderr, "\n"); }
+  if (getenv("DBG") && result_.cost.rejected > 3000 && result_.cost.rejected < 3040)
+    fprintf(stderr, "t %.17g err %g part %g end %d level %d rej %d h %g |", t_, tried_.error,
+            tried_.part, (int)tried_.end, level_, (int)rejected_, bar_.step());
+  if (getenv("DBG") && result_.cost.rejected > 3000 && result_.cost.rejected < 3040) {
+    for (auto& q : points_) {
+      auto m = q.struck();
+      fprintf(stderr, " ph %d ev %d d %g v %g", (int)q.phase(), (int)q.event(), m.displacement,
+              m.velocity);
+    }
+    fprintf(stderr, "\n");
+  }
   done_ = done_ || out_of_time();
 }
 
@@ -184,13 +193,13 @@ void CollocationRun::take_or_land() {
     tried_.end = End::run;
     for (ContactPoint& point : points_) point.forget_event();
   }
-  const bool at_once = tried_.end == End::event && tried_.part < coincidence;
+  const bool at_once = points_.size() > 1 && tried_.end == End::event && tried_.part < coincidence;
   stalled_ = at_once ? stalled_ + 1 : 0;
-  if (stalled_ > most_stalled) {
+  if (stalled_ > most_stalled * rig_.stops()) {
     take_shorter();
     return;
   }
-  if (points_.size() > 1 && at_once) {
+  if (at_once) {
     // as good as due when the step began, with what happened then at another stop
     ++result_.cost.rejected;
     next = level_;

@@ -80,9 +80,9 @@ class CollocationRun {
 
   // Events this close are one, as a part of the step.
   static constexpr double coincidence = 1e-9;
-  // Of phases that end at once, one after the other, this many are believed: a step too long for
-  // how a contact begins has its law let go and press again without end.
-  static constexpr int most_stalled = 4;
+  // Of phases that end at once, one after the other, this many of each stop are believed: a step
+  // too long for how a contact begins has its law let go and press again without end.
+  static constexpr int most_stalled = 2;
   // A first contact that ends slower than this part of its approach is to be solved again: errors
   // of the way then count that much more as time.
   static constexpr double slowest_part = 0.1;

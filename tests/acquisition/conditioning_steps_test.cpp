@@ -239,6 +239,23 @@ TEST(ApplySteps, WarnsOfARailThatAFilterHides) {
     }
 }
 
+// The flag was gone from what was imported, and with it all word of the loss.
+TEST(ApplySteps, WarnsOfDropoutsThatAFilterHides) {
+  for (const bool lost : {false, true}) {
+    Record record = shot();
+    auto& velocity = std::get<std::vector<double>>(record.channels[1].raw);
+    if (lost)
+      for (std::size_t i = 2200; i < 2260; ++i) velocity[i] *= 0.02;
+    apply_steps(std::vector<ConditioningStep>{{"velocity", datasets::LowPass{20e3, 4}}}, record);
+    const auto hidden =
+        testing::Contains(testing::HasSubstr("has dropouts that nobody marked: what it made of"));
+    if (lost)
+      EXPECT_THAT(record.warnings, hidden);
+    else
+      EXPECT_THAT(record.warnings, testing::Not(hidden));
+  }
+}
+
 // Whatever rounds the top off: filters, a course taken off, one after the other.
 TEST(ApplySteps, KeepsTheFlagOfAClippedTop) {
   const datasets::TimeSpan quiet{-0.9e-3, -0.1e-3};

@@ -159,5 +159,16 @@ TEST(FindImpacts, RefusesSenselessOptions) {
               testing::ThrowsMessage<std::invalid_argument>(message));
 }
 
+// A laser without a signal is no reason not to look for the impact in the force.
+TEST(FindImpacts, LooksPastAVelocityWithoutASoundSample) {
+  const Sampling at;
+  const auto force = force_of(at, sampled(at, [](double t) { return half_sine(t, 1500.0, 1e-3); }));
+  const auto dead = velocity_of(at, std::vector<double>(at.samples, std::nan("")));
+  const auto impacts = find_impacts(record_of({force, dead}));
+  ASSERT_EQ(impacts.size(), 1U);
+  EXPECT_FALSE(impacts[0].velocity);
+  EXPECT_TRUE(impacts[0].force);
+}
+
 }  // namespace
 }  // namespace impactrig::acquisition
