@@ -53,13 +53,18 @@ bool within(double ratio, double limit) {
   return ratio > 1.0 / limit && ratio < limit;
 }
 
-/// "1000 times too large (nearly the factor of N for kN, or mV for V)".
+/// "1000 times too large".
+std::string times_off(double ratio) {
+  const double factor = ratio > 1.0 ? ratio : 1.0 / ratio;
+  return fmt::format("{} times too {}",
+                     factor >= 100.0 ? fmt::format("{:.0f}", factor) : datasets::figures(factor, 2),
+                     ratio > 1.0 ? "large" : "small");
+}
+
+/// The same "(nearly the factor of N for kN, or mV for V)".
 std::string off_by(double ratio, bool force) {
   const double factor = ratio > 1.0 ? ratio : 1.0 / ratio;
-  std::string text =
-      fmt::format("{} times too {}",
-                  factor >= 100.0 ? fmt::format("{:.0f}", factor) : datasets::figures(factor, 2),
-                  ratio > 1.0 ? "large" : "small");
+  std::string text = times_off(ratio);
   const auto distance = [&](const KnownFactor& known) {
     return std::abs(std::log(factor / known.factor));
   };
@@ -229,10 +234,14 @@ std::optional<MomentumBalance> momentum_balance(const Impact& impact, const RigF
         speed * speed_ratio, off_by(speed_ratio, false), speed);
   }
   if (balance.plausible || !balance.sentence.empty()) return balance;
+  // of two records that do not fit, the one that fits the rig is in no other unit
+  const bool velocity_alone = measured && within(impulse_measured / impulse, any_restitution) &&
+                              !within(speed_ratio, any_restitution);
   balance.sentence = fmt::format(
       "The force's impulse, {} N s, is {} for a bar of this rig that arrives with {:.3g} m/s "
       "({}): {} N s are expected.",
-      datasets::figures(balance.measured, 3), off_by(balance.ratio, true), speed * speed_ratio,
+      datasets::figures(balance.measured, 3),
+      velocity_alone ? times_off(balance.ratio) : off_by(balance.ratio, true), speed * speed_ratio,
       measured ? "as measured" : "as the rig file says", datasets::figures(balance.expected, 3));
   if (measured) balance.sentence += culprit(balance.measured / impulse, speed_ratio);
   return balance;
