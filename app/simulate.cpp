@@ -103,9 +103,10 @@ datasets::Record history_record(const models::History& history, const fitting::R
 }
 
 /// What is to be differentiated by; asks the simulation for what it can tell.
-std::vector<reports::SensitivityEntry> ask_for_sensitivities(const std::string& names,
+std::vector<reports::SensitivityEntry> ask_for_sensitivities(const Options& options,
                                                              const fitting::RigFile& file,
                                                              models::SimulationOptions& request) {
+  const std::string& names = options.sensitivities;
   std::vector<reports::SensitivityEntry> entries;
   if (names.empty()) return entries;
   try {
@@ -117,9 +118,12 @@ std::vector<reports::SensitivityEntry> ask_for_sensitivities(const std::string& 
   }
   for (reports::SensitivityEntry& entry : entries) {
     if (entry.parameter.spot) request.history.spot_slopes = true;
-    for (const auto& part : entry.parameter.parts)
+    for (const auto& part : entry.parameter.parts) {
       if (entry.not_known.empty())
         entry.not_known = models::derivative_refusal(file.rig, file.solver, part.of);
+      if (entry.not_known.empty() && options.small_motion)
+        entry.not_known = models::small_motion_derivative_refusal(file.rig, part.of);
+    }
     if (!entry.not_known.empty()) continue;
     for (const auto& part : entry.parameter.parts)
       if (std::ranges::find(request.sensitivities, part.of) == request.sensitivities.end())
@@ -215,7 +219,7 @@ void simulate(const Options& options) {
   const fitting::MeshChoice chosen = fitting::choose_mesh(rig, fitting::finest_mesh);
   models::SimulationOptions request;
   std::vector<reports::SensitivityEntry> sensitivities =
-      ask_for_sensitivities(options.sensitivities, rig, request);
+      ask_for_sensitivities(options, rig, request);
   refuse_too_many_samples(options, longest, 1.0 + static_cast<double>(sensitivities.size()));
   request.exact = options.exact;
   if (options.small_motion) request.motion = models::Motion::small;

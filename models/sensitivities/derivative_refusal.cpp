@@ -5,6 +5,7 @@
 
 #include "models/contact/contact_force.hpp"
 #include "models/sensitivities/parameter_stencil.hpp"
+#include "models/sensitivities/rig_effect.hpp"
 
 namespace impactrig::models {
 namespace {
@@ -50,6 +51,11 @@ std::string derivative_refusal(const Rig& rig, const Solver& solver, RigParamete
   return "beside it the bar would be divided into its elements in another way, as where it is "
          "struck at a step of its section: only one side exists; state another place or other "
          "elements";
+}
+
+std::string small_motion_derivative_refusal(const Rig& rig, RigParameter parameter) {
+  if (RigEffect(rig, parameter).small_motion_knows()) return {};
+  return "small motion does not know what it changes; the full equations do";
 }
 
 }  // namespace impactrig::models

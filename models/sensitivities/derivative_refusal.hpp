@@ -12,4 +12,7 @@ namespace impactrig::models {
 /// has: reading it must not change the rig.
 std::string derivative_refusal(const Rig& rig, const Solver& solver, RigParameter parameter);
 
+/// Why small motion, where that is asked for, has none by this parameter; "" where it has them.
+std::string small_motion_derivative_refusal(const Rig& rig, RigParameter parameter);
+
 }  // namespace impactrig::models

@@ -55,6 +55,22 @@ TEST_F(SensitivityOptions, TellsHowAPredictionChanges) {
   EXPECT_FALSE(json::parse(run(linear + " --json").out).contains("sensitivities"));
 }
 
+// One number that small motion does not know had it tell none.
+TEST_F(SensitivityOptions, OfSmallMotionAreAllButThoseOfFriction) {
+  const Outcome o = run("simulate " + rig + " --small-motion --sensitivities all --json" +
+                        " --set solver.duration=\"0.5 ms\" --set hinge.friction=\"1e-3 N.m\"");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json j = json::parse(o.out);
+  bool friction = false;
+  for (const json& entry : j["sensitivities"]) {
+    const bool is_friction = entry["parameter"] == "hinge.friction";
+    friction = friction || is_friction;
+    EXPECT_EQ(entry["not_known"].is_string(), is_friction) << entry;
+  }
+  EXPECT_TRUE(friction);
+  EXPECT_GT(j["sensitivities"].size(), 10U);
+}
+
 TEST_F(SensitivityOptions, DifferentiatesByAllThatTheRigHas) {
   const auto names_of = [&](const std::string& more) {
     const Outcome o = run("simulate " + rig + rigid + " --sensitivities all --json" + more);
