@@ -36,10 +36,11 @@ struct Dropout {
 /// stretch of at least 18 samples that is level at zero (3 % of the span, at most six times the
 /// noise) is a dropout too, where the line on one side at least does not lead there. A velocity's
 /// quiet stretch that is further from zero than its course is none: the laser saw it between two
-/// losses. So is a stretch of at least 8 equal samples, the last value that the laser saw, where such
-/// are no chance beside samples that differ (once in a million records) and which ends with a step
-/// of 8 times the noise and 2 % of the span. Samples at the ends of a stretch that are off by less than a tenth of that (of one at
-/// zero within a contact: within three times the scatter of those lines) do not belong to it.
+/// losses. So is a stretch of at least 8 equal samples, the last value that the laser saw, where
+/// such are no chance beside samples that differ (once in a million records) and which ends with a
+/// step of 8 times the noise and 2 % of the span. Samples at the ends of a stretch that are off by
+/// less than a tenth of that (of one at zero within a contact: within three times the scatter of
+/// those lines) do not belong to it.
 std::vector<Dropout> find_dropouts(std::span<const double> values,
                                    const std::vector<std::uint8_t>& valid, std::size_t longest,
                                    datasets::Quantity quantity);

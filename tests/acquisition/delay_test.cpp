@@ -267,10 +267,10 @@ TEST(EstimateDelay, RefusesWhatTellsNoMoreThanTheRange) {
         refusal(force_of(at, sampled(at, force_at)), velocity_of(at, noisy), to_peak(), 10e-6);
     if (why.find("as much as if nothing but the range of 1e-05 s") != std::string::npos) ++unknown;
     if (!why.empty()) continue;
-    EXPECT_LE(
-        estimate_delay(force_of(at, sampled(at, force_at)), velocity_of(at, noisy), to_peak(), 10e-6)
-            .uncertainty,
-        10e-6 / std::sqrt(3.0));
+    EXPECT_LE(estimate_delay(force_of(at, sampled(at, force_at)), velocity_of(at, noisy), to_peak(),
+                             10e-6)
+                  .uncertainty,
+              10e-6 / std::sqrt(3.0));
   }
   EXPECT_GE(unknown, 3);
 }
