@@ -59,9 +59,14 @@ double ContactPoint::depth_of_turn(double before, const PointMotion& p0, double 
   return depth;
 }
 
-/// The deepest place between two where the motion turns.
+/// The deepest place between two where the motion turns, and of the first contact the shallowest.
 void ContactPoint::observe_turn(double before, const PointMotion& p0, double here,
                                 const PointMotion& p1) {
+  if (p0.velocity < 0.0 && p1.velocity >= 0.0 && log_.in_first_episode(number_)) {
+    double turn = before;
+    shallowest_turn_ = std::min(shallowest_turn_, depth_of_turn(before, p0, here, p1, turn));
+  }
+  if (!(p0.velocity > 0.0 && p1.velocity <= 0.0)) return;
   const double h = bar_.step();
   // it slows down on the way, but for what the highest modes do
   if (p0.displacement + 2.0 * p0.velocity * (here - before) * h <
@@ -248,11 +253,7 @@ void ContactPoint::observe(double begun, double part) {
       const double force = inside ? step_.force[i] : legendre_sum(step_.force_series, here);
       if (force > highest.force) highest = {force, here, p1};
     }
-    if (p0.velocity > 0.0 && p1.velocity <= 0.0) observe_turn(before, p0, here, p1);
-    if (p0.velocity < 0.0 && p1.velocity >= 0.0 && log_.in_first_episode(number_)) {
-      double turn = before;
-      shallowest_turn_ = std::min(shallowest_turn_, depth_of_turn(before, p0, here, p1, turn));
-    }
+    observe_turn(before, p0, here, p1);
     before_that = before;
     before = here;
     p0 = p1;

@@ -7,7 +7,6 @@
 
 #include "acquisition/importer.hpp"
 #include "acquisition/importers/column_heads.hpp"
-#include "datasets/input_error.hpp"
 #include "tests/acquisition/written_file.hpp"
 
 namespace impactrig::acquisition {
@@ -17,6 +16,7 @@ using datasets::Record;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using tests::import_error;
 using tests::imported;
 using tests::names_and_units;
 
@@ -57,13 +57,8 @@ TEST(CsvTimesInWords, MayBeOfAChannel) {
 }
 
 TEST(CsvTimesInWords, ThatAreCountedAreNoSeconds) {
-  const tests::WrittenFile file("Time (ticks),F [N]\n-5,7\n-4,8\n-3,9\n");
-  try {
-    import_recording(file.path());
-    FAIL();
-  } catch (const datasets::InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("since the file states 'Time' in 'ticks'"));
-  }
+  EXPECT_THAT(import_error("Time (ticks),F [N]\n-5,7\n-4,8\n-3,9\n"),
+              HasSubstr("since the file states 'Time' in 'ticks'"));
 }
 
 // The velocity was a time in seconds, and of samples that are counted the clock.
@@ -96,14 +91,8 @@ TEST(CsvNames, MayBeginWithASignForNumbers) {
 
 // Samples, names and units were missing without a word.
 TEST(CsvRows, WithWordsBesideThemAreNoHead) {
-  const tests::WrittenFile file(
-      "Time (s),Force (N),,Max,20.5\n0.0,7,,Min,-3\n0.1,8\n0.2,9\n0.3,9\n");
-  try {
-    import_recording(file.path());
-    FAIL();
-  } catch (const datasets::InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("'Min' stands beside its first 2 cells"));
-  }
+  EXPECT_THAT(import_error("Time (s),Force (N),,Max,20.5\n0.0,7,,Min,-3\n0.1,8\n0.2,9\n0.3,9\n"),
+              HasSubstr("'Min' stands beside its first 2 cells"));
 }
 
 // Kyowa's EDX-100A writes so in Japanese: the units were the names.
