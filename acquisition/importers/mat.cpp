@@ -212,7 +212,10 @@ class MatRecord {
         Channel& channel = record_.channels[i];
         const bool open = stored_[i].times.size() == 0 && channel.clock.interval == 0.0 &&
                           !channel.attributes.contains(std::string(unusable_clock));
-        if (open && stored_[i].samples.size() > 1) channel.clock.interval = *interval;
+        if (!open || stored_[i].samples.size() < 2) continue;
+        channel.clock.interval = *interval;
+        record_.attributes["time column"] =
+            fmt::format("{} (an interval of {:.9g} s by its text)", name, *interval);
       }
       return;
     }

@@ -369,9 +369,10 @@ TEST_P(Mat, ARateMayStandBesideTheStructureOfTheData) {
                        .find("data")
                        ->clock.interval,
                    1e-3);
-  EXPECT_DOUBLE_EQ(
-      imported(b.header() + b.text("SamplingRate", "1000") + data).find("data")->clock.interval,
-      1e-3);
+  const datasets::Record by_text = imported(b.header() + b.text("SamplingRate", "1000") + data);
+  EXPECT_DOUBLE_EQ(by_text.find("data")->clock.interval, 1e-3);
+  EXPECT_EQ(by_text.attributes.at("time column"),
+            "SamplingRate (an interval of 0.001 s by its text)");
 }
 
 TEST_P(Mat, TimesMayBeCalledInOtherWords) {
