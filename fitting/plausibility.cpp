@@ -109,8 +109,7 @@ std::string silent_velocity(const Impact& impact, const RigFile& file, double ex
   return fmt::format(
       "The velocity shows nothing before touch (noise of {:.2g} m/s), where the force's impulse "
       "needs a bar that arrives with {:.2g} m/s: the laser had no signal, the channel is another, "
-      "or "
-      "its decoder does not go down to 0 Hz (sensors.velocity.low_cut states that).",
+      "or its decoder does not go down to 0 Hz (sensors.velocity.low_cut states that).",
       noise, there);
 }
 

@@ -78,7 +78,7 @@ std::string unit_of_time_in_words(std::string_view text) {
   if (text == "\u00b5S" || text == "\u03bcS") return "us";
   if (small == "millis") return "ms";
   if (small == "micros") return "us";
-  if (small == "s" || holds(of_seconds, small)) return "s";
+  if (holds(of_seconds, small)) return "s";
   if (holds(of_minutes, small)) return "min";
   if (holds(of_hours, small)) return "h";
   const std::string_view word = small;
