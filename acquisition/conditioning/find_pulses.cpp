@@ -4,6 +4,7 @@
 #include <span>
 
 #include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/baseline_search.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
 #include "acquisition/conditioning/measure_pulse.hpp"
 #include "acquisition/conditioning/touch_in_vibration.hpp"
@@ -48,11 +49,11 @@ class PulseSearch {
   bool is_level(std::size_t end) const;
   bool ends_on_rail(const Trigger& begin, std::size_t crossing) const;
   bool comes_to_rest_at(const Trigger& begin) const;
-  double sound_share(std::size_t begin, std::size_t end) const;
   double height(double level, std::size_t begin, std::size_t end) const;
   std::size_t first_above(const Trigger& trigger, std::size_t from) const;
+  Pulse tallest(const Trigger& trigger, std::size_t from, std::size_t count) const;
   std::size_t quiet_run(double level, double limit, bool from_end) const;
-  Baseline baseline_before(std::size_t end, std::size_t floor, double height,
+  Baseline baseline_before(std::size_t end, std::size_t floor, const Pulse& pulse,
                            const Trigger& trigger) const;
   std::optional<Contact> measure_from(const Baseline& baseline, std::size_t crossing,
                                       std::size_t floor, const Trigger& trigger,
@@ -62,9 +63,7 @@ class PulseSearch {
   double height_by_blocks(double level, std::size_t begin, std::size_t end) const;
   std::size_t next_impact(const Contact& contact, const Trigger& trigger, std::size_t& floor) const;
 
-  /// The floor of a noise estimate: a digitiser whose noise is below its step shows none, and then
-  /// reaches 4.5 steps less than once in 10⁶ samples.
-  double at_least_a_step(double sigma) const { return std::max(sigma, 0.75 * grain_); }
+  double at_least_a_step(double sigma) const { return noise_above_step(sigma, grain_); }
 
   const Trace& trace_;
   std::span<const double> y_;
@@ -85,6 +84,20 @@ double PulseSearch::height(double level, std::size_t begin, std::size_t end) con
 std::size_t PulseSearch::first_above(const Trigger& trigger, std::size_t from) const {
   while (from < y_.size() && std::abs(y_[from] - trigger.level) <= trigger.threshold) ++from;
   return from;
+}
+
+/// The greatest departure among `count` samples from `from` on, and twice its full width at half of
+/// it, which neither noise nor hum changes much: a sine squared pulse is as long.
+Pulse PulseSearch::tallest(const Trigger& trigger, std::size_t from, std::size_t count) const {
+  const auto departs = [&](std::size_t i) { return std::abs(y_[i] - trigger.level); };
+  std::size_t top = from;
+  for (std::size_t i = from; i < std::min(from + count, y_.size()); ++i)
+    if (departs(i) > departs(top)) top = i;
+  const double half = 0.5 * departs(top);
+  std::size_t begin = top, end = top;
+  while (begin > from && departs(begin - 1) > half) --begin;
+  while (end < y_.size() && departs(end) > half) ++end;
+  return {.height = departs(top), .length = 2 * (end - begin)};
 }
 
 /// How many samples from one end of the record stay within `limit` of `level`.
@@ -232,66 +245,38 @@ Trigger PulseSearch::sharpened(Trigger trigger) const {
   return trigger;
 }
 
-/// Of the samples [begin, end); 1 where none is, as then all count.
-double PulseSearch::sound_share(std::size_t begin, std::size_t end) const {
-  const auto marks = trace_.marks(begin, end);
-  const auto sound = marks.size() - static_cast<std::size_t>(std::ranges::count(marks, 0));
-  return sound == 0 ? 1.0 : as_double(sound) / as_double(marks.size());
-}
-
-/// The course before sample `end`, from at most a window before it. Where it is not steady (the
-/// foot of the pulse, the ringing of the impact before), what is further from the pulse counts.
-Baseline PulseSearch::baseline_before(std::size_t end, std::size_t floor, double height,
+Baseline PulseSearch::baseline_before(std::size_t end, std::size_t floor, const Pulse& pulse,
                                       const Trigger& trigger) const {
-  Baseline baseline;
-  baseline.constant = trigger.level;
-  baseline.sigma = trigger.sigma;
-  const std::size_t begin = std::max(floor, end > window_ ? end - window_ : 0);
-  if (end < begin + 8) return baseline;
-  std::size_t size = end - begin;
-  baseline.fit = fit_quiet(y_, begin, begin + size, 1, grain_, trace_.valid);
-  const auto trend = [&] { return 2.0 * std::abs(baseline.fit.coefficients[1]); };
-  const auto scatter = [&] {  // of `trend` when there is none
-    const double sound = as_double(size) * sound_share(begin, begin + size);
-    return 2.0 * std::sqrt(3.0 * baseline.fit.correlation / sound) * baseline.fit.sigma;
-  };
-  baseline.steady = true;
-  while (trend() > 0.01 * height + 4.0 * scatter() && size >= 16) {
-    baseline.steady = false;
-    size /= 2;
-    baseline.fit = fit_quiet(y_, begin, begin + size, 1, grain_, trace_.valid);
-  }
-  baseline.line = baseline.steady && size >= 32 && trend() > 3.0 * scatter();
-  if (!baseline.line) baseline.fit = fit_quiet(y_, begin, begin + size, 0, grain_, trace_.valid);
-  baseline.constant = baseline.fit.mean;
-  baseline.sigma = baseline.fit.sigma;
-  return baseline;
+  return BaselineSearch(trace_, grain_, window_)
+      .before(end, floor, pulse)
+      .value_or(Baseline{.constant = trigger.level, .sigma = trigger.sigma});
 }
 
 std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t floor,
                                             const Trigger& trigger) const {
   const auto post = static_cast<std::size_t>(options_.post_trigger / trace_.interval);
-  const double tallest = height(trigger.level, crossing, crossing + post + 1);
+  const Pulse pulse = tallest(trigger, crossing, post + 1);
   // A quarter is left out at first, since some pulses begin with a long foot; then, when first
   // touch is known, what lies before it counts.
   const std::size_t far = crossing > floor ? (crossing - floor) / 4 : 0;
-  const std::size_t guard = std::max<std::size_t>(3, std::min(far, window_ / 4));
-  auto contact = measure_from(
-      baseline_before(crossing > guard ? crossing - guard : 0, floor, tallest, trigger), crossing,
-      floor, trigger);
+  const std::size_t guard =
+      std::max<std::size_t>(3, std::min(far, std::max(window_ / 4, pulse.length / 8)));
+  auto contact =
+      measure_from(baseline_before(crossing > guard ? crossing - guard : 0, floor, pulse, trigger),
+                   crossing, floor, trigger);
   if (!contact) return std::nullopt;
   // what crossed the threshold first may be a slope that the pulse stands on
   const bool lies_before = contact->onset > as_double(crossing);
   const std::size_t inside = lies_before ? contact->peak_index : crossing;
   Baseline nearer;
   if (const auto quiet = quiet_before(trace_, contact->onset, floor, options_)) {
-    nearer = baseline_before(quiet->end, floor, tallest, trigger);
+    nearer = baseline_before(quiet->end, floor, pulse, trigger);
     if (nearer.steady)
       if (const auto second = measure_from(nearer, inside, floor, trigger)) contact = second;
   }
   if (const auto touch = touch_in_vibration(trace_, *contact, crossing, floor, grain_, options_)) {
     const std::size_t end = touch->index > 3 ? touch->index - 3 : 0;
-    nearer = baseline_before(end, floor, tallest, trigger);
+    nearer = baseline_before(end, floor, pulse, trigger);
     if (const auto third =
             measure_from(nearer, touch->top, floor, trigger, as_double(touch->index)))
       return third;

@@ -129,14 +129,19 @@ const RecordedSignal* force_among(const std::vector<const RecordedSignal*>& sign
   return nullptr;
 }
 
-/// Whether the force before touch wanders: the means of 16 blocks spread by more than their noise.
+/// Whether the force wanders for as long before touch as the contact takes, or the baseline's
+/// window where that is longer: the means of 16 blocks spread by more than their noise.
 bool unsteady(const RecordedSignal& force, const Impact& impact, double peak, double floor,
               const DetectionOptions& options) {
   const Trace& trace = force.trace;
   const double first = std::max(0.0, std::ceil(trace.index(floor)));
-  const auto quiet =
+  auto quiet =
       quiet_before(trace, trace.index(impact.start), static_cast<std::size_t>(first), options);
-  if (!quiet || quiet->end - quiet->begin < 4 * quiet_blocks) return false;
+  if (!quiet) return false;
+  const double contact = std::floor((impact.end - impact.start) / trace.interval);
+  const double begin = std::max(first, as_double(quiet->end) - contact);
+  quiet->begin = std::min(quiet->begin, static_cast<std::size_t>(std::max(0.0, begin)));
+  if (quiet->end - quiet->begin < 4 * quiet_blocks) return false;
   double least = INFINITY, most = -INFINITY;
   const std::size_t n = quiet->end - quiet->begin;
   for (std::size_t b = 0; b < quiet_blocks; ++b) {

@@ -37,8 +37,9 @@ double extrapolated_end(const Excursion& z, std::size_t near) {
   return as_double(near) - std::clamp(-rest / (a - rest), 0.0, 1.0);
 }
 
-/// Follows the pulse from `crossing` to where it comes back to its baseline, or has stayed below
-/// the threshold of its own peak for 10 samples and half of its length.
+/// Follows the pulse from `crossing` to where it comes back to its baseline, from further than
+/// noise falls on a slow flank, or has stayed below the threshold of its own peak for 10 samples
+/// and half of its length.
 struct Descent {
   std::size_t peak_index, stop_index;
   double peak, end;
@@ -56,7 +57,7 @@ Descent follow(const Excursion& z, std::size_t crossing) {
     }
     d.stop_index = j;
     if (value > z.lasting(d.peak)) last_above = j;
-    if (value <= z.stop && j > crossing) {
+    if (value <= z.stop && d.peak > 1.5 * z.noise) {
       d.end = extrapolated_end(z, j);
       d.ends_inside = false;
       break;

@@ -6,24 +6,13 @@
 #include <optional>
 #include <span>
 
-#include "acquisition/conditioning/background.hpp"
+#include "acquisition/conditioning/baseline_search.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
 
 namespace impactrig::acquisition {
 
 inline constexpr double peak_fraction = 0.05;  ///< of the peak: below it nothing is a contact
 inline constexpr double stands_out = 2.0;      ///< times what went before: a contact, no ringing
-
-/// What the signal would do without the contact.
-struct Baseline {
-  QuietFit fit;
-  bool steady = false;  ///< the whole window before touch could be used
-  bool line = false;    ///< fit, else constant
-  double constant = 0.0;
-  double sigma = 0.0;  ///< scatter about it
-
-  double at(std::size_t i) const { return line ? fit.at(static_cast<double>(i)) : constant; }
-};
 
 /// A signal measured from its baseline, positive in the pulse's direction.
 struct Excursion {

@@ -61,12 +61,21 @@ std::optional<Touch> touch_in_vibration(const Trace& force, const Contact& conta
   const auto window = static_cast<std::size_t>(std::max(200.0, options.before() / force.interval));
   const std::size_t begin = std::max(floor, flank.rise > window ? flank.rise - window : 0);
   if (flank.rise < begin + 16) return std::nullopt;
+  const auto traced = static_cast<std::size_t>(contact.onset);
+  const auto scatter_before = [&](std::size_t end, std::size_t size) {
+    const std::size_t first = std::max(floor, end > size ? end - size : 0);
+    return fit_quiet(y, first, end, 1, grain, force.valid).sigma;
+  };
   const auto before = y.subspan(begin, flank.rise - begin);
   const double noise = std::max(step_noise(before, force.marks(begin, flank.rise)), 0.75 * grain);
-  const double scatter = fit_quiet(y, begin, flank.rise, 1, grain, force.valid).sigma;
-  if (scatter < vibrates * noise || scatter < matters * std::abs(contact.peak)) return std::nullopt;
+  const double least = std::max(vibrates * noise, matters * std::abs(contact.peak));
+  if (scatter_before(flank.rise, window) < least) return std::nullopt;
+  // The slow foot of a pulse is no line either; what is traced as one has nothing like it before.
+  if (traced < flank.rise && traced >= floor + 16) {
+    const std::size_t foot = flank.rise - traced;
+    if (scatter_before(traced, std::max(window, foot)) < least) return std::nullopt;
+  }
   const auto course = y.subspan(begin, flank.top + 1 - begin);
-  const auto traced = static_cast<std::size_t>(contact.onset);
   const auto marks = force.marks(begin, flank.top + 1);
   const auto bend = BendSearch(course, marks, force.interval, grain)
                         .first(0, traced > begin ? traced - begin : 0);

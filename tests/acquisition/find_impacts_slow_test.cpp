@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contacts whose foot is slow beside the window that tells the level before them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "acquisition/conditioning/condition.hpp"
+#include "tests/acquisition/half_sine_contact.hpp"
+#include "tests/acquisition/scene.hpp"
+
+namespace impactrig::acquisition {
+
+namespace {
+
+using datasets::Impact;
+using datasets::ImpactFlag;
+using namespace tests;
+
+constexpr double height = 500.0;               // [N]
+const Sampling slow_rig{-10e-3, 2e-6, 20000};  // 40 ms
+
+std::vector<Impact> impacts_of(const std::function<double(double)>& force, double noise,
+                               std::uint64_t seed) {
+  std::vector<double> values = sampled(slow_rig, force);
+  add_noise(values, noise * height, seed);
+  return find_impacts(record_of({force_of(slow_rig, std::move(values))}));
+}
+
+// The impulse of F sin² is F T/2. The foot that noise of 1 % hides, a sixteenth of T at either end,
+// has 0.1 % of it; as much again may come from a level that noise has moved.
+TEST(FindImpacts, MeasuresASlowPulseInNoise) {
+  for (const double duration : {1.5e-3, 3e-3, 5e-3, 8e-3})
+    for (const double noise : {0.001, 0.003, 0.01, 0.017})
+      for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        SCOPED_TRACE(testing::Message() << duration << " " << noise << " " << seed);
+        const auto impacts =
+            impacts_of([&](double t) { return sine_squared(t, height, duration); }, noise, seed);
+        ASSERT_EQ(impacts.size(), 1U);
+        EXPECT_NEAR(impacts[0].impulse / (0.5 * height * duration), 1.0, 0.02);
+        EXPECT_NEAR(impacts[0].start, 0.0, 0.1 * duration);
+        EXPECT_NEAR(impacts[0].end, duration, 0.1 * duration);
+        EXPECT_FALSE(impacts[0].has(ImpactFlag::double_hit));
+        EXPECT_FALSE(impacts[0].has(ImpactFlag::baseline_shift));
+      }
+}
+
+// Of a part p of the height, sin² is cut from t₁ = T/π asin √p on; its impulse is
+// F (t₁ - T sin(2π t₁/T)/(2π)) + p F (T - 2 t₁).
+TEST(FindImpacts, MeasuresASlowPulseThatIsCut) {
+  for (const double duration : {1.5e-3, 3e-3, 8e-3})
+    for (const double part : {0.4, 0.6, 0.9})
+      for (const double noise : {0.0003, 0.003}) {
+        SCOPED_TRACE(testing::Message() << duration << " " << part << " " << noise);
+        const auto impacts = impacts_of(
+            [&](double t) { return std::min(sine_squared(t, height, duration), part * height); },
+            noise, 3);
+        ASSERT_EQ(impacts.size(), 1U);
+        const double cut = duration / pi * std::asin(std::sqrt(part));
+        const double flanks = cut - duration * std::sin(2.0 * pi * cut / duration) / (2.0 * pi);
+        const double impulse = height * (flanks + part * (duration - 2.0 * cut));
+        EXPECT_NEAR(impacts[0].impulse / impulse, 1.0, 0.02);
+        EXPECT_NEAR(impacts[0].start, 0.0, 0.1 * duration);
+      }
+}
+
+// A drift goes on below the whole contact: 20 % of the peak in the 20 ms of the record, or less.
+TEST(FindImpacts, TakesADriftOffASlowPulse) {
+  constexpr double duration = 4e-3;
+  for (const double slope : {-0.1, -0.02, 0.02, 0.1}) {
+    SCOPED_TRACE(slope);
+    const auto impacts = impacts_of(
+        [&](double t) {
+          return sine_squared(t, height, duration) + slope * height * (t - slow_rig.start) / 10e-3;
+        },
+        0.001, 5);
+    ASSERT_EQ(impacts.size(), 1U);
+    EXPECT_NEAR(impacts[0].impulse / (0.5 * height * duration), 1.0, 0.02);
+  }
+}
+
+// Hum is level for a baseline's window at its crests, and is not for the time of a slow contact.
+TEST(UnsteadyFlag, FiresOnHumThatMovesTheImpulse) {
+  constexpr double duration = 1.6e-3;
+  int moved = 0;
+  for (int phase = 0; phase < 32; ++phase) {
+    const auto impacts = impacts_of(
+        [&](double t) {
+          return sine_squared(t, height, duration) +
+                 0.08 * height * std::sin(2.0 * pi * (50.0 * t + phase / 32.0));
+        },
+        0.001, 7);
+    ASSERT_FALSE(impacts.empty());
+    if (std::abs(impacts[0].impulse / (0.5 * height * duration) - 1.0) < 0.05) continue;
+    ++moved;
+    EXPECT_FALSE(impacts[0].flags.empty()) << phase;
+  }
+  EXPECT_GT(moved, 2);
+}
+
+}  // namespace
+
+}  // namespace impactrig::acquisition
