@@ -13,8 +13,8 @@ constexpr double excess = 1e-8;
 // A slide lasts at least for this part of a step, whatever rounding says.
 constexpr double shortest_part = 1e-9;
 // One that is over in this part of a step shows that the moment at the step's beginning, known less
-// well than those at the nodes, did not exceed the friction's, if it is not more than so many times
-// that.
+// well than those at the nodes, did not exceed the friction's that way, if it is not more than so
+// many times that.
 constexpr double fleeting_part = 1e-3;
 constexpr double doubtful = 2.0;
 
@@ -56,11 +56,11 @@ std::optional<Crossing> first_below_zero(const Function& function) {
 
 void HingeFriction::start(double rate) {
   state_ = rate > 0.0 ? State::closes : rate < 0.0 ? State::opens : State::sticks;
-  fleeting_ = false;
+  fleeting_ = State::sticks;
 }
 
 void HingeFriction::follow(const Change& change) {
-  fleeting_ = slides() && change.part < fleeting_part;
+  fleeting_ = change.part < fleeting_part ? state_ : State::sticks;
   state_ = change.to;
 }
 
@@ -77,7 +77,8 @@ HingeFriction::Change HingeFriction::change(const Collocation& rule,
     return value > 0.0 ? State::opens : State::closes;  // the bar would need to be held closed
   };
   const double first = legendre_sum(series, 0.0);
-  const bool doubted = sticks() && fleeting_ && std::abs(first) < doubtful * torque_;
+  const bool again = sticks() && fleeting_ == after(first);
+  const bool doubted = again && std::abs(first) < doubtful * torque_;
   if (sticks() && !doubted && left(first) < 0.0) return {0.0, after(first)};
   const std::optional<Crossing> crossing =
       first_below_zero([&](double place) { return left(legendre_sum(series, place)); });

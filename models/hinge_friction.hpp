@@ -53,7 +53,7 @@ class HingeFriction {
  private:
   double torque_;  // T [N m]
   State state_ = State::sticks;
-  bool fleeting_ = false;  // the slide before was
+  State fleeting_ = State::sticks;  // the slide before, where it was over at once
 };
 
 }  // namespace impactrig::models
