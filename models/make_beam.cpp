@@ -27,7 +27,8 @@ std::unique_ptr<BeamDynamics> make_beam(const Rig& rig, const Solver& solver) {
 std::unique_ptr<SmallMotionBeam> make_small_motion_beam(const Rig& rig, const Solver& solver) {
   if (solver.model == BeamModel::ancf)
     return std::make_unique<LinearBar>(
-        rig, bar_elements(rig.beam, rig.contact.position, solver.elements));
+        rig, bar_elements(rig.beam, rig.contact.position, solver.elements),
+        LinearBar::negligible_weight_at(solver.accuracy));
   return make_beam(rig, solver);
 }
 

@@ -158,6 +158,17 @@ SolvedInModes solve_in_modes(const Rig& rig, const Solver& solver, const Simulat
   return {std::move(result), left_out};
 }
 
+/// A bar's modes are as exact as its derivatives have to be: these see what damping makes of the
+/// weight alone, which the motion itself hardly does.
+Solver for_modes(const Solver& solver, const SimulationOptions& options) {
+  constexpr double of_derivatives = 1e-2;
+  Solver modes = solver;
+  if (!options.sensitivities.empty())
+    modes.accuracy = std::min(
+        solver.accuracy, of_derivatives * std::max(solver.accuracy, options.sensitivity_accuracy));
+  return modes;
+}
+
 /// What the paper's scene needs without damping in the contact; histories show more of the
 /// vibration, and it falls by less.
 double fewest_modes(double accuracy, bool shown) {
@@ -212,7 +223,8 @@ std::optional<Simulation> leave_out_vibration(const Rig& rig, const Solver& solv
   const bool shown = options.history.interval > 0.0;
   double power = power_of_modes(rig), last_excess = 0.0, fewest = 0.0, last = 0.0;
   const auto solve = [&](int modes) {
-    return solve_in_modes(rig, used, options, time, bars.reduced_bar(rig, solver, modes));
+    return solve_in_modes(rig, used, options, time,
+                          bars.reduced_bar(rig, for_modes(solver, options), modes));
   };
   // what is left for vibration, as a part of the accuracy
   const auto room_beside = [&](const SolvedInModes& solved) {
@@ -262,7 +274,7 @@ std::optional<Simulation> simulate_small_motion(const Rig& rig, const Solver& so
   if (std::optional<Simulation> result = leave_out_vibration(rig, solver, options, time, cache))
     return result;
   if (!small_motion_refusal(rig, solver).empty()) return std::nullopt;
-  const std::shared_ptr<const ModalBar> bar = cache.bar(rig, solver);
+  const std::shared_ptr<const ModalBar> bar = cache.bar(rig, for_modes(solver, options));
   if (!rig.has_stop()) return swing_freely(rig, solver, options, *bar);
   Solver used = solver;
   if (follows_swing(rig, options)) used.accuracy *= share_of_released;

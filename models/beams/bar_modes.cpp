@@ -43,7 +43,9 @@ double between(double low, double high) {
 
 }  // namespace
 
-BarModeFinder::BarModeFinder(const LinearBar& bar, bool clamped) : hangs_(bar.hangs()) {
+BarModeFinder::BarModeFinder(const LinearBar& bar, bool clamped)
+    : hangs_(bar.hangs()),
+      negligible_weight_(bar.negligible_weight()) {
   const std::vector<LinearBar::Share> shares = bar.shares();
   bar_.elements = static_cast<int>(shares.size());
   bar_.values = bar.elements().front().shears() ? BarElement::values : 4;
@@ -229,10 +231,10 @@ Eigen::MatrixXd BarModeFinder::form_of(const std::vector<double>& triangles,
   return sum;
 }
 
-/// How many of the modes up to the last whose ω² the weight changes by more than next to nothing.
+/// How many of the modes up to the last whose ω² the weight changes by more than what is
+/// negligible.
 int BarModeFinder::moved_by_weight(const Rows& rows,
                                    const Eigen::Ref<const Eigen::VectorXd>& squares) const {
-  constexpr double negligible = 1e-6;
   Eigen::ArrayXd own = Eigen::ArrayXd::Zero(rows.rows());
   Eigen::MatrixXd values;
   for (int e = 0; e < bar_.elements; ++e) {
@@ -245,7 +247,7 @@ int BarModeFinder::moved_by_weight(const Rows& rows,
     }
   }
   auto moved = static_cast<int>(rows.rows());
-  while (moved > 0 && std::abs(own[moved - 1]) < negligible * squares[moved - 1]) --moved;
+  while (moved > 0 && std::abs(own[moved - 1]) < negligible_weight_ * squares[moved - 1]) --moved;
   return moved;
 }
 

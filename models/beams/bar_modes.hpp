@@ -61,6 +61,7 @@ class BarModeFinder {
   void stand_in(BarModes& modes, const std::vector<LinearBar::Row>& points);
 
   bool hangs_;
+  double negligible_weight_;                                            // of ω²
   std::vector<double> length_, wave_, wave_number_, stiffness_, mass_;  // as of BarForms
   std::vector<double> weight_;                                          // what of A is the weight's
   BarForms bar_;

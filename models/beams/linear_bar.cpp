@@ -9,12 +9,18 @@
 
 namespace impactrig::models {
 
-LinearBar::LinearBar(const Rig& rig, std::vector<BarElement> elements)
+double LinearBar::negligible_weight_at(double accuracy) {
+  constexpr double fewest_modes = 1e-7, most_modes = 1e-12;
+  return std::clamp(accuracy, most_modes, fewest_modes);
+}
+
+LinearBar::LinearBar(const Rig& rig, std::vector<BarElement> elements, double negligible_weight)
     : elements_(std::move(elements)),
       masses_(rig.beam.masses),
       gravity_(rig.gravity_along()),
       gravity_across_(rig.gravity_across()),
-      spring_(rig.hinge.spring) {}
+      spring_(rig.hinge.spring),
+      negligible_weight_(negligible_weight) {}
 
 int LinearBar::size() const {
   return 1 + values_of_element() * static_cast<int>(elements_.size());

@@ -19,7 +19,11 @@ namespace impactrig::models {
 /// values are what an element's end deflects and turns beyond a rigid one, in place of w and θ.
 class LinearBar : public SmallMotionBeam {
  public:
-  LinearBar(const Rig& rig, std::vector<BarElement> elements);
+  /// `negligible_weight`: the part of ω² from which on that of the weight is left out of modes().
+  LinearBar(const Rig& rig, std::vector<BarElement> elements, double negligible_weight = 0.0);
+
+  /// Of runs at an accuracy: what damping makes of the weight in a mode is by far less than of ω².
+  static double negligible_weight_at(double accuracy);
 
   SmallMotion small_motion() const override;
   Eigen::VectorXd small_motion_row(double x) const override;
@@ -34,6 +38,8 @@ class LinearBar : public SmallMotionBeam {
   }
 
   const std::vector<BarElement>& elements() const { return elements_; }
+
+  double negligible_weight() const { return negligible_weight_; }
 
   int size() const;
 
@@ -73,6 +79,7 @@ class LinearBar : public SmallMotionBeam {
   double gravity_;         // from hinge to tip
   double gravity_across_;  // closing
   double spring_;
+  double negligible_weight_;  // as the constructor has it
 };
 
 }  // namespace impactrig::models

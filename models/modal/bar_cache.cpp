@@ -23,7 +23,8 @@ BarKey BarKey::of(const Rig& rig, const Solver& solver) {
           solver.elements,
           solver.modes,
           solver.axial_modes,
-          solver.basis};
+          solver.basis,
+          LinearBar::negligible_weight_at(solver.accuracy)};
 }
 
 std::size_t BarKey::Hash::operator()(const BarKey& key) const {
@@ -43,7 +44,8 @@ std::shared_ptr<const ModalBar> make_modal_bar(const Rig& rig, const Solver& sol
 std::shared_ptr<const ReducedBar> make_reduced_bar(const Rig& rig, const Solver& solver,
                                                    int modes) {
   auto bar = std::make_shared<const LinearBar>(
-      rig, bar_elements(rig.beam, rig.contact.position, solver.elements));
+      rig, bar_elements(rig.beam, rig.contact.position, solver.elements),
+      LinearBar::negligible_weight_at(solver.accuracy));
   std::vector<double> points;
   for (int stop = 0; stop < rig.stops(); ++stop) points.push_back(rig.contact_of(stop).position);
   return std::make_shared<const ReducedBar>(std::move(bar), std::move(points), modes);

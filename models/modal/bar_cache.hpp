@@ -25,6 +25,7 @@ struct BarKey {
   std::array<int, 2> elements;
   int modes, axial_modes;
   Basis basis;
+  double negligible_weight;  // as a LinearBar has it
 
   static BarKey of(const Rig& rig, const Solver& solver);
 
