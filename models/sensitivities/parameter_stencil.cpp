@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "models/beams/assumed_modes.hpp"
 #include "models/beams/bending_modes.hpp"
 #include "models/contact/damping_law.hpp"
 #include "models/sensitivities/element_layout.hpp"
@@ -18,6 +19,8 @@ constexpr double step = 3e-4;
 // Of a bar with sections that turn: along a straight way through a turn of an angle a stencil of
 // five places finds its pull wrong by the angle's fourth power.
 constexpr double step_through_turns = 6e-5;
+// Of shapes that come from a mesh rounding is 1e-12: below 1e-8 of a derivative, as truncation is.
+constexpr double step_of_meshed_shapes = 2e-3;
 // Of the bar's length, how far a gap may be changed that is none, and of critical damping or of the
 // bar's stiffness, how far a damper or a spring.
 constexpr double of_closed_gap = 1e-5, of_none = 1e-3;
@@ -102,6 +105,12 @@ double step_for(const Rig& rig) {
   return swings_far(rig) && rig.beam.shears() ? step_through_turns : step;
 }
 
+double step_for(const Rig& rig, const Solver& solver) {
+  const bool meshed = solver.model == BeamModel::hybrid &&
+                      !elements_of_shapes(rig.beam, solver.modes).empty() && !swings_far(rig);
+  return meshed ? step_of_meshed_shapes : step_for(rig);
+}
+
 }  // namespace
 
 bool swings_far(const Rig& rig) {
@@ -119,7 +128,8 @@ ParameterStencil::ParameterStencil(const Rig& rig, RigParameter parameter, const
                                    const HistoryRequest& history)
     : ParameterStencil(rig, parameter) {
   if (!moves_elements(rig, rig_beside())) return;
-  spacing_ = std::min(spacing_, step_for(rig) * way_of_elements(solver, history));
+  const double part = step_for(rig, solver);
+  spacing_ = std::min(part * size_, part * way_of_elements(solver, history));
   // An element's end that is passed farther off is left to a smaller spacing: 64 times smaller,
   // rounding is 3e-11.
   for (int times = 0; times < 3; ++times, spacing_ /= 8.0)
