@@ -49,6 +49,9 @@ void state(const Channel& channel, const FittedDecay& fitted, bool time_known, E
                   decay.origin, text(fitted.errors.of_amplitude), channel.unit);
   edit.parameters["uncertainty of what came off"] =
       fmt::format("{} {} at most", text(fitted.errors.at_most), channel.unit);
+  if (fitted.errors.misfit > 0.0)
+    edit.parameters["misfit"] =
+        fmt::format("{} {} at most", text(fitted.errors.misfit), channel.unit);
   if (decay.hum > 0.0)
     edit.parameters["fitted beside"] = fmt::format("hum of {:.6g} Hz", decay.hum);
 }

@@ -143,7 +143,8 @@ class DecayFit {
 
   /// `until`: the last time that is asked for, from the origin [s].
   DecayErrors errors(bool time_known, double until) const {
-    const Eigen::Matrix3d covariance = this->covariance(time_known);
+    const int terms = time_known ? 2 : 3;
+    const Eigen::Matrix3d covariance = covariance_of(terms);
     const bool known = std::isfinite(covariance(0, 0));
     const auto of = [&](int k) {
       return known ? std::sqrt(std::max(0.0, covariance(k, k))) : unknown;
@@ -159,6 +160,8 @@ class DecayFit {
       errors.at_most =
           std::max(errors.at_most, std::sqrt(std::max(0.0, row.dot(covariance * row))));
     }
+    if (known) errors.misfit = misfit(terms, until);
+    errors.at_most = std::hypot(errors.at_most, errors.misfit);
     return errors;
   }
 
@@ -169,26 +172,78 @@ class DecayFit {
     return {1.0, fall, fall * t / decay_.time};
   }
 
-  /// Of c, a and, where it was not stated, a ln T; infinite where the data do not tell.
-  Eigen::Matrix3d covariance(bool time_known) const {
-    const int terms = time_known ? 2 : 3;
+  /// What would show beside `terms` of c, a and a ln T that it is not one fall with this T: another
+  /// T where that was stated, else a further fall, so many times as fast.
+  double other(int terms, double faster, double t) const {
+    return terms == 2 ? slopes(t)[2] : std::exp(-faster * t / decay_.time);
+  }
+
+  /// Columns of the `terms` and of the sinusoids.
+  Eigen::MatrixXd rows_of(int terms) const {
     const Index sinusoids = steady_.cols() - 1;
     Eigen::MatrixXd rows(quiet_.size(), terms + sinusoids);
     for (Index i = 0; i < rows.rows(); ++i)
       rows.row(i).head(terms) = slopes(times_[i]).head(terms).transpose();
     rows.rightCols(sinusoids) = steady_.rightCols(sinusoids);
+    return rows;
+  }
 
+  /// By how much the course changes, up to a time, where it may have what other() is; 0 where that
+  /// does not stand out of the noise.
+  double misfit(int terms, double until) const {
+    double least = residuals_.squaredNorm(), found = 0.0;
+    Eigen::MatrixXd rows = rows_of(terms);
+    const Index last = rows.cols();
+    rows.conservativeResize(Eigen::NoChange, last + 1);
+    for (double faster = 3.0; faster < 50.0; faster *= 2.0) {
+      for (Index i = 0; i < rows.rows(); ++i) rows(i, last) = other(terms, faster, times_[i]);
+      const Eigen::FullPivLU<Eigen::MatrixXd> lu(rows.transpose() * rows);
+      if (!lu.isInvertible()) continue;
+      const VectorXd change = lu.solve(rows.transpose() * residuals_);
+      const VectorXd left = residuals_ - rows * change;
+      if (left.squaredNorm() >= least) continue;
+      least = left.squaredNorm();
+      found = 0.0;
+      constexpr double stands_out = 5.0;  // standard errors
+      const double variance = variance_of(left, rows.cols()) * lu.inverse()(last, last);
+      if (change[last] * change[last] > stands_out * stands_out * variance)
+        found = largest_of(terms, faster, change, until);
+      if (terms == 2) break;
+    }
+    return found > grain_of(quiet_.values) ? found : 0.0;
+  }
+
+  /// Of what these terms, and in the last place other(), make of the course up to a time.
+  double largest_of(int terms, double faster, const VectorXd& change, double until) const {
+    constexpr int places = 512;
+    double largest = 0.0;
+    for (int i = 0; i <= places; ++i) {
+      const double t = until * i / places;
+      const double by_terms = slopes(t).head(terms).dot(change.head(terms));
+      const double further = change[change.size() - 1] * other(terms, faster, t);
+      largest = std::max(largest, std::abs(by_terms + further));
+    }
+    return largest;
+  }
+
+  /// Of a sample that knows the course as well as these residuals about `terms` do.
+  double variance_of(const VectorXd& residuals, Index terms) const {
     QuietResiduals about;
-    about.residuals.assign(residuals_.begin(), residuals_.end());
-    about.scatter = std::sqrt(residuals_.squaredNorm() /
-                              static_cast<double>(std::max<Index>(1, rows.rows() - rows.cols())));
+    about.residuals.assign(residuals.begin(), residuals.end());
+    about.scatter = std::sqrt(residuals.squaredNorm() /
+                              static_cast<double>(std::max<Index>(1, residuals.size() - terms)));
     about.quantum = quantum_of(quiet_.values);
     const auto [first, last] = std::ranges::minmax(quiet_.times);
     about.rise = std::abs(decay_.amplitude *
                           (std::exp(-first / decay_.time) - std::exp(-last / decay_.time)));
-    about.terms = static_cast<int>(rows.cols());
-    const double variance = slow_variance(std::move(about));
+    about.terms = static_cast<int>(terms);
+    return slow_variance(std::move(about));
+  }
 
+  /// Of the first `terms` of c, a and a ln T; infinite where the data do not tell.
+  Eigen::Matrix3d covariance_of(int terms) const {
+    const Eigen::MatrixXd rows = rows_of(terms);
+    const double variance = variance_of(residuals_, rows.cols());
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(rows.transpose() * rows);
     if (!lu.isInvertible()) return Eigen::Matrix3d::Constant(unknown);
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

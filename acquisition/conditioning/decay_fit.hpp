@@ -25,6 +25,9 @@ struct DecayErrors {
   double of_constant = 0.0, of_amplitude = 0.0;  ///< [the channel's unit]
   double of_time = 0.0;                          ///< [s]; 0 where T was stated
   double at_most = 0.0;  ///< of the decay, from its origin to the last sample
+  /// Of that the part by which another course fits the quiet samples clearly better: with another T
+  /// where one was stated, else with a second, faster decay; 0 where none does.
+  double misfit = 0.0;
 };
 
 struct FittedDecay {

@@ -151,7 +151,18 @@ class Conditioning {
   void act(datasets::RemoveDecay action, std::size_t index) {
     if (action.quiet.empty()) action.quiet.push_back(before_touch(index));
     const auto hum = to_come<datasets::RemoveHum>(index);
-    note(remove_decay(channel(index), action, hum ? &*hum : nullptr));
+    Edit edit = remove_decay(channel(index), action, hum ? &*hum : nullptr);
+    if (const auto misfit = edit.parameters.find("misfit"); misfit != edit.parameters.end())
+      record_.warnings.push_back(
+          fmt::format("The quiet samples of '{}' do not follow {}: another course fits them better "
+                      "and is up to "
+                      "{} away from what came off; {}.",
+                      channel(index).name,
+                      action.time_constant ? "a decay with the stated time constant" : "one decay",
+                      misfit->second.substr(0, misfit->second.find(" at most")),
+                      action.time_constant ? "leave time_constant out, or state it anew"
+                                           : "state a quiet stretch nearer to the impact"));
+    note(std::move(edit));
   }
 
   void act(datasets::UndoLowCut action, std::size_t index) {

@@ -62,6 +62,29 @@ TEST(ApplySteps, TakesWhatLiesBeforeTouchAsQuiet) {
   EXPECT_NEAR(std::stod(parameters.at("to")), -50e-6, 5e-6);
 }
 
+TEST(ApplySteps, WarnsOfADecayThatIsAnother) {
+  const Sampling long_rest{.start = -50e-3, .interval = 2e-5, .samples = 5000};
+  const std::vector<TimeSpan> rest{{-50e-3, -0.5e-3}};
+  const auto warnings_of = [&](std::optional<double> stated, double further) {
+    auto values = sampled(long_rest, [&](double t) {
+      const double since = t - long_rest.start;
+      return 20.0 * std::exp(-since / 0.02) + further * std::exp(-since / 2e-3);
+    });
+    add_noise(values, 0.1, 1);
+    Record record = record_of({force_of(long_rest, values)});
+    apply_steps(std::vector<ConditioningStep>{{"Force", datasets::RemoveDecay{rest, stated}}},
+                record);
+    return record.warnings;
+  };
+  EXPECT_THAT(warnings_of({}, 0.0), testing::IsEmpty());
+  EXPECT_THAT(warnings_of(0.02, 0.0), testing::IsEmpty());
+  EXPECT_THAT(warnings_of({}, 4.0),
+              testing::ElementsAre(testing::HasSubstr("do not follow one decay: another")));
+  EXPECT_THAT(
+      warnings_of(0.025, 0.0),
+      testing::ElementsAre(testing::HasSubstr("leave time_constant out, or state it anew")));
+}
+
 // Before touch a velocity is the approach speed; without it no restitution is left.
 TEST(ApplySteps, WarnsOfAnApproachThatIsTakenForAnOffset) {
   const TimeSpan rest{-1e-3, -0.5e-3};

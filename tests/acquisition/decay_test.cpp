@@ -6,8 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
+#include <tuple>
+#include <vector>
 
 #include "acquisition/conditioning/hum.hpp"
 #include "datasets/sensor_response.hpp"
@@ -166,6 +170,38 @@ TEST(RemoveDecay, TakesAStatedTimeConstant) {
   const auto edit = remove_decay(force, {{quiet.front()}, 0.3});
   for (std::size_t i = 0; i < at.samples; ++i) ASSERT_NEAR(force.value(i), pulse(at.time(i)), 1e-6);
   EXPECT_EQ(edit.parameters.at("time constant"), "0.3 s, stated");
+}
+
+// An amplifier of two time constants, and one whose stated time constant is off by a fifth.
+TEST(RemoveDecay, TellsWhereTheDecayIsAnother) {
+  constexpr Sampling long_rest{.start = -50e-3, .interval = 2e-5, .samples = 5000};
+  const std::vector<TimeSpan> rest{{-50e-3, -0.5e-3}};
+  const auto taken_off = [&](auto&& course, std::optional<double> stated, std::uint64_t seed) {
+    std::vector<double> values = sampled(long_rest, course);
+    add_noise(values, 0.1, seed);
+    auto force = force_of(long_rest, values);
+    const auto edit = remove_decay(force, {rest, stated});
+    double off = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      off = std::max(off, std::abs(values[i] - force.value(i) - course(long_rest.time(i))));
+    const double told = std::stod(edit.parameters.at("uncertainty of what came off"));
+    return std::tuple{edit.parameters.contains("misfit"), off, told};
+  };
+  const auto one = [](double t) { return 3.0 + 20.0 * std::exp(-(t + 50e-3) / 0.02); };
+  const auto two = [&](double t) { return one(t) + 4.0 * std::exp(-(t + 50e-3) / 2e-3); };
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(seed);
+    EXPECT_FALSE(std::get<0>(taken_off(one, std::nullopt, seed)));
+    EXPECT_FALSE(std::get<0>(taken_off(one, 0.02, seed)));
+    const auto [told_of_two, off_of_two, error_of_two] = taken_off(two, std::nullopt, seed);
+    EXPECT_TRUE(told_of_two);
+    EXPECT_LT(off_of_two, 4.0 * error_of_two);
+    for (const double stated : {0.016, 0.025}) {
+      const auto [told, off, error] = taken_off(one, stated, seed);
+      EXPECT_TRUE(told);
+      EXPECT_LT(off, 2.0 * error) << stated;
+    }
+  }
 }
 
 // What is not finite is left out as what is marked is; the lines that bridged it counted.
