@@ -35,8 +35,9 @@ constexpr std::array<FlagText, 16> flag_texts{{
     {ImpactFlag::truncated_tail, "truncated-tail",
      "The record ends before the contact does; record for longer after the trigger."},
     {ImpactFlag::dropout, "dropout",
-     "Some samples within the window are invalid or an electric spike, and are left out; check the "
-     "vibrometer's focus and reflective tape, a force's cable, or the recorder's overruns."},
+     "Some samples within the window are invalid or an electric spike, and are left out, or a "
+     "motion stays on one value throughout; check the vibrometer's focus and reflective tape, a "
+     "force's cable, or the recorder's overruns."},
     {ImpactFlag::unmarked_dropout, "unmarked-dropout",
      "The laser's signal leaves its course for a moment and comes back, as it does when the light "
      "is lost, and nothing marks these samples; add the conditioning step dropouts, which leaves "

@@ -39,11 +39,21 @@ bool lost(const std::optional<ImpactSignal>& signal, double range) {
   return false;
 }
 
+/// A motion that stays on one value while the force presses: a laser without light, or nothing
+/// behind the channel.
+bool dead(const std::optional<ImpactSignal>& motion) {
+  constexpr std::size_t fewest = 16;
+  if (!motion || motion->values.size() < fewest) return false;
+  const double first = motion->values.front();
+  return std::ranges::all_of(motion->values, [first](double value) { return value == first; });
+}
+
 /// Clipped samples that the recorder marked are clipped, not lost.
 bool dropout(const Impact& impact, const Contact& contact, bool is_clipped,
              const std::vector<const RecordedSignal*>& signals) {
   if (lost(impact.velocity, known_range(signals, Quantity::velocity))) return true;
   if (lost(impact.displacement, known_range(signals, Quantity::displacement))) return true;
+  if (dead(impact.velocity) || dead(impact.displacement)) return true;
   if (!impact.force || impact.force->valid.empty()) return false;
   if (!is_clipped) return true;
   const ImpactSignal& force = *impact.force;

@@ -133,6 +133,20 @@ TEST(DropoutFlag, FiresOnTheOtherChannelsToo) {
   for (const double value : impacts[0].velocity->values) EXPECT_EQ(value, 0.441);  // bridged
 }
 
+TEST(DropoutFlag, FiresOnAMotionThatIsDead) {
+  const Sampling at;
+  const auto flagged = [&](std::vector<double> velocity) {
+    return find_impacts(record_of({force_of(at, sampled(at, pulse)), velocity_of(at, velocity)}))
+        .at(0)
+        .has(ImpactFlag::dropout);
+  };
+  std::vector<double> velocity(at.samples, 0.0);
+  EXPECT_TRUE(flagged(velocity));
+  velocity[1150] = 1e-3;
+  EXPECT_FALSE(flagged(velocity));
+  EXPECT_FALSE(flagged(sampled(at, bar_velocity)));
+}
+
 // The velocity turns round in the contact and swings on, which is none.
 TEST(UnmarkedDropoutFlag, FiresWhereALaserLosesItsLight) {
   const Sampling at;
