@@ -112,7 +112,8 @@ std::optional<ColumnHead> time_with_unit_at_end(std::string_view text) {
   if (mark != text.npos && mark > 0) {
     const std::string unit = short_unit(text.substr(mark + 1));
     const std::string_view name = without_link(text.substr(0, mark));
-    if (unit.empty() || !speaks_of_time(name)) return std::nullopt;
+    const bool is_axis = lowered(name) == "x" && unit != "s";
+    if (unit.empty() || !(speaks_of_time(name) || is_axis)) return std::nullopt;
     return ColumnHead{to_utf8(name), unit, ""};
   }
   for (const std::string_view unit : {"Ms", "Us", "Ns", "Sec", "Millis", "Micros"}) {

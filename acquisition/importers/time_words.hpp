@@ -17,7 +17,7 @@ std::string unit_of_time_in_words(std::string_view text);
 std::string unit_named(std::string_view name);
 
 /// "Zeit_in_ms", "Messzeit_ms", "time_rel_ms", "rise time ms" and "timeMs" as name and unit: a time
-/// by a word of the name, with a unit at its end.
+/// by a word of the name, with a unit at its end; "X_ms" too, which no length is.
 std::optional<ColumnHead> time_with_unit_at_end(std::string_view text);
 
 /// Whether it counts something else than time ("samples", "ticks"), so that it is no unit of times.

@@ -43,12 +43,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Words{"Milliseconds", 1e-3}, Words{"Microseconds", 1e-6},
                     Words{"Minutes", 60.0}, Words{"Zeit_in_ms", 1e-3}, Words{"t_in_ms", 1e-3},
                     Words{"Zeitachse_ms", 1e-3}, Words{"Messzeit_ms", 1e-3},
-                    Words{"Temps_ms", 1e-3}, Words{"Elapsed Time_ms", 1e-3},
-                    Words{"time_rel_ms", 1e-3}, Words{"Time_ms_rel", 1e-3},
-                    Words{"sample time ms", 1e-3}, Words{"Zeit-ms", 1e-3}, Words{"time.ms", 1e-3},
-                    Words{"timeMs", 1e-3}, Words{"timeUs", 1e-6}, Words{"t_mus", 1e-6},
-                    Words{"Time(ms)*", 1e-3}, Words{"Time (ms):", 1e-3},
-                    Words{"Zeit in Millisekunden", 1e-3}));
+                    Words{"Temps_ms", 1e-3}, Words{"X_ms", 1e-3}, Words{"x_us", 1e-6},
+                    Words{"Elapsed Time_ms", 1e-3}, Words{"time_rel_ms", 1e-3},
+                    Words{"Time_ms_rel", 1e-3}, Words{"sample time ms", 1e-3},
+                    Words{"Zeit-ms", 1e-3}, Words{"time.ms", 1e-3}, Words{"timeMs", 1e-3},
+                    Words{"timeUs", 1e-6}, Words{"t_mus", 1e-6}, Words{"Time(ms)*", 1e-3},
+                    Words{"Time (ms):", 1e-3}, Words{"Zeit in Millisekunden", 1e-3}));
 
 TEST(CsvTimesInWords, MayBeOfAChannel) {
   EXPECT_THAT(
