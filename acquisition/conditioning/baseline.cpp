@@ -103,7 +103,15 @@ RemovedBaseline remove_baseline(Channel& channel, const TimeSpan& quiet) {
   return {std::move(edit), course.of_level(), course.fit.sigma, course.fit.correlation};
 }
 
-Edit remove_drift(Channel& channel, const TimeSpan& quiet) {
+double RemovedDrift::error_of_sum(double from, double to) const {
+  const double length = to - from;
+  const double moment = 0.5 * length * (to + from - 2.0 * middle) / half;
+  const double by_line =
+      length * length * of_level + moment * moment * of_rise + 2.0 * length * moment * of_both;
+  return std::sqrt(by_line + noise * noise * correlation * std::abs(length));
+}
+
+RemovedDrift remove_drift(Channel& channel, const TimeSpan& quiet) {
   const Course course = course_within(channel, quiet, 1, 8);
   const QuietFit& line = course.fit;
   std::vector<double> values = channel.values();
@@ -121,7 +129,14 @@ Edit remove_drift(Channel& channel, const TimeSpan& quiet) {
                   uncertain(course.of_rise() / span, channel, "/s"));
   edit.parameters["uncertainty"] =
       uncertain(std::max(course.error_at(0.0), course.error_at(last)), channel, " at most");
-  return edit;
+  return {.edit = std::move(edit),
+          .middle = line.middle,
+          .half = line.half,
+          .of_level = course.covariance(0, 0),
+          .of_rise = course.covariance(1, 1),
+          .of_both = course.covariance(0, 1),
+          .noise = line.sigma,
+          .correlation = line.correlation};
 }
 
 }  // namespace impactrig::acquisition

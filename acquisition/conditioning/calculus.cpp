@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "acquisition/conditioning/baseline.hpp"
 #include "acquisition/conditioning/samples.hpp"
+#include "datasets/number_text.hpp"
 #include "datasets/units.hpp"
 
 namespace impactrig::acquisition {
@@ -84,7 +87,11 @@ Derived integrate(const Channel& channel, const IntegrationOptions& options) {
   refuse_no_history(channel, 2);
   Derived result{offspring_of(channel, "integral of"), {"integrate", channel.name, {}}};
   Channel copy = channel;
-  if (options.quiet) result.edit.parameters = remove_drift(copy, *options.quiet).parameters;
+  std::optional<RemovedDrift> drift;
+  if (options.quiet) {
+    drift = remove_drift(copy, *options.quiet);
+    result.edit.parameters = drift->edit.parameters;
+  }
   const std::vector<double> f = sound_values(copy);
   std::vector<double> sum(f.size(), 0.0);
   for (std::size_t i = 1; i < f.size(); ++i)
@@ -101,6 +108,13 @@ Derived integrate(const Channel& channel, const IntegrationOptions& options) {
   for (double& value : sum) value -= origin;
   result.channel.raw = std::move(sum);
   name_unit(channel, true, result.channel);
+  if (drift) {
+    const double error = std::max(drift->error_of_sum(zero, 0.0), drift->error_of_sum(zero, last));
+    result.edit.parameters["uncertainty of the integral"] =
+        fmt::format("{} {} at most",
+                    datasets::figures(error * channel.clock.interval * result.channel.scale, 2),
+                    result.channel.unit);
+  }
   result.edit.parameters["rule"] = "trapezoidal";
   result.edit.parameters["zero at"] =
       fmt::format("{:.12g} s", channel.clock.start + channel.clock.interval * zero);

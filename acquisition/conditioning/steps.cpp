@@ -119,7 +119,7 @@ class Conditioning {
   }
 
   void act(const datasets::RemoveDrift& action, std::size_t index) {
-    note(remove_drift(channel(index), quiet(action.quiet, index)));
+    note(remove_drift(channel(index), quiet(action.quiet, index)).edit);
     if (action.quiet) return;
     if (channel(index).quantity == datasets::Quantity::velocity) tell_approach("offset", index);
     if (channel(index).quantity == datasets::Quantity::displacement) tell_approach("slope", index);

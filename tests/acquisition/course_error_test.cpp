@@ -73,7 +73,7 @@ struct HeldDrift {
   void take_off(Channel& force, double offset, double rise) {
     const auto course = [&](double t) { return offset + rise * t; };
     const double last = force.value(at.samples - 1);
-    const auto parameters = remove_drift(force, quiet).parameters;
+    const auto parameters = remove_drift(force, quiet).edit.parameters;
     level.add(std::stod(parameters.at("offset")) - course(0.5 * (quiet.begin + quiet.end)),
               uncertainty_in(parameters.at("offset")));
     slope.add(std::stod(parameters.at("slope")) - rise, uncertainty_in(parameters.at("slope")));
