@@ -54,7 +54,7 @@ std::optional<QuietFit> BaselineSearch::line_below(std::size_t end, std::size_t 
                                                    const QuietFit& nearest) const {
   const std::size_t size = std::max(nearest.size(), length);
   const std::size_t begin = std::max(floor, end > size ? end - size : 0);
-  if (end - begin < std::max<std::size_t>(32, length / 2)) return std::nullopt;
+  if (end - begin < std::max<std::size_t>(32, length / 4)) return std::nullopt;
   if (size == nearest.size()) return sloping(nearest);
   if (const QuietFit whole = course(begin, end, 1); scatters_alike(whole, nearest))
     return sloping(whole);
@@ -82,6 +82,7 @@ std::optional<Baseline> BaselineSearch::before(std::size_t end, std::size_t floo
   baseline.fit = line ? *line : course(begin, begin + size, 0);
   baseline.constant = baseline.fit.mean;
   baseline.sigma = baseline.fit.sigma;
+  baseline.until = std::max(baseline.fit.end, pulse.top) + baseline.fit.size();
   return baseline;
 }
 

@@ -19,6 +19,7 @@ inline double noise_above_step(double sigma, double grain) {
 /// What is known of a pulse before its baseline is.
 struct Pulse {
   double height = 0.0;     ///< above the level
+  std::size_t top = 0;     ///< sample
   std::size_t length = 0;  ///< samples
 };
 
@@ -28,11 +29,11 @@ struct Baseline {
   bool steady = false;  ///< the whole window before touch could be used
   bool line = false;    ///< fit, else constant
   double constant = 0.0;
-  double sigma = 0.0;  ///< scatter about it
+  double sigma = 0.0;     ///< scatter about it
+  std::size_t until = 0;  ///< sample from which on a line is level
 
-  /// A line goes on for as long as it was seen, and then is level.
   double at(std::size_t i) const {
-    return line ? fit.at(static_cast<double>(std::min(i, fit.end + fit.size()))) : constant;
+    return line ? fit.at(static_cast<double>(std::min(i, until))) : constant;
   }
 };
 
@@ -47,7 +48,8 @@ class BaselineSearch {
 
   /// The course before sample `end`, from at most a window before it, and nothing before `floor`.
   /// Where it is not steady (the foot of the pulse, the ringing of the impact before), what is
-  /// further from the pulse counts. None of fewer than 8 samples.
+  /// further from the pulse counts. A line goes on behind the top for as long as it was seen. None
+  /// of fewer than 8 samples.
   std::optional<Baseline> before(std::size_t end, std::size_t floor, const Pulse& pulse) const;
 
  private:

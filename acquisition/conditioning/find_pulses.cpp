@@ -97,7 +97,7 @@ Pulse PulseSearch::tallest(const Trigger& trigger, std::size_t from, std::size_t
   std::size_t begin = top, end = top;
   while (begin > from && departs(begin - 1) > half) --begin;
   while (end < y_.size() && departs(end) > half) ++end;
-  return {.height = departs(top), .length = 2 * (end - begin)};
+  return {.height = departs(top), .top = top, .length = 2 * (end - begin)};
 }
 
 /// How many samples from one end of the record stay within `limit` of `level`.
@@ -256,14 +256,18 @@ std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t fl
                                             const Trigger& trigger) const {
   const auto post = static_cast<std::size_t>(options_.post_trigger / trace_.interval);
   const Pulse pulse = tallest(trigger, crossing, post + 1);
-  // A quarter is left out at first, since some pulses begin with a long foot; then, when first
-  // touch is known, what lies before it counts.
+  // A quarter is left out at first, since some pulses begin with a long foot, or more where that is
+  // level; then, when first touch is known, what lies before it counts.
   const std::size_t far = crossing > floor ? (crossing - floor) / 4 : 0;
-  const std::size_t guard =
-      std::max<std::size_t>(3, std::min(far, std::max(window_ / 4, pulse.length / 8)));
-  auto contact =
-      measure_from(baseline_before(crossing > guard ? crossing - guard : 0, floor, pulse, trigger),
-                   crossing, floor, trigger);
+  const auto baseline_apart = [&](std::size_t guard) {
+    guard = std::max<std::size_t>(3, std::min(far, guard));
+    return baseline_before(crossing > guard ? crossing - guard : 0, floor, pulse, trigger);
+  };
+  std::optional<Contact> contact;
+  if (pulse.length / 8 > window_ / 4)
+    if (const Baseline farther = baseline_apart(pulse.length / 8); farther.steady)
+      contact = measure_from(farther, crossing, floor, trigger);
+  if (!contact) contact = measure_from(baseline_apart(window_ / 4), crossing, floor, trigger);
   if (!contact) return std::nullopt;
   // what crossed the threshold first may be a slope that the pulse stands on
   const bool lies_before = contact->onset > as_double(crossing);

@@ -37,9 +37,19 @@ double extrapolated_end(const Excursion& z, std::size_t near) {
   return as_double(near) - std::clamp(-rest / (a - rest), 0.0, 1.0);
 }
 
-/// Follows the pulse from `crossing` to where it comes back to its baseline, from further than
-/// noise falls on a slow flank, or has stayed below the threshold of its own peak for 10 samples
-/// and half of its length.
+/// Whether the signal is on its baseline from sample j on, not one of its samples alone: noise
+/// falls to it from a slow flank.
+bool rests(const Excursion& z, std::size_t j) {
+  constexpr std::size_t some = 8;
+  constexpr double near = 1.5;
+  const std::size_t end = std::min(j + some, z.y.size());
+  double sum = 0.0;
+  for (std::size_t i = j; i < end; ++i) sum += z.at(i);
+  return sum <= near * z.stop * as_double(end - j);
+}
+
+/// Follows the pulse from `crossing` to where it comes back to its baseline, or has stayed below
+/// the threshold of its own peak for 10 samples and half of its length.
 struct Descent {
   std::size_t peak_index, stop_index;
   double peak, end;
@@ -57,7 +67,7 @@ Descent follow(const Excursion& z, std::size_t crossing) {
     }
     d.stop_index = j;
     if (value > z.lasting(d.peak)) last_above = j;
-    if (value <= z.stop && d.peak > 1.5 * z.noise) {
+    if (value <= z.stop && j > crossing && (d.peak > 1.5 * z.noise || rests(z, j))) {
       d.end = extrapolated_end(z, j);
       d.ends_inside = false;
       break;
@@ -197,7 +207,11 @@ std::optional<Contact> measure_pulse(Excursion z, std::size_t crossing, double t
 
   Contact contact;
   std::size_t i = crossing;
-  while (i > z.floor && z.at(i) > z.stop) --i;
+  for (; i > z.floor && z.at(i) > z.stop; --i) {
+    if (z.at(i) <= d.peak) continue;
+    d.peak = z.at(i);
+    d.peak_index = i;
+  }
   const bool reached = z.at(i) <= z.stop;
   contact.onset = reached ? extrapolated_onset(z, i) : as_double(i);
   contact.onset = std::max(touch.value_or(contact.onset), 0.0);

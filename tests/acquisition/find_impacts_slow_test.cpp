@@ -82,6 +82,43 @@ TEST(FindImpacts, TakesADriftOffASlowPulse) {
   }
 }
 
+// A drift that passes the threshold long before touch, and goes on behind.
+TEST(FindImpacts, MeasuresAPulseOnADriftThatCrossesTheThreshold) {
+  for (const double duration : {1e-3, 2e-3, 4e-3})
+    for (const double slope : {-0.07, 0.06, 0.07}) {
+      SCOPED_TRACE(testing::Message() << duration << " " << slope);
+      const auto impacts = impacts_of(
+          [&](double t) {
+            return half_sine(t, height, duration) + slope * height * (t - slow_rig.start) / 10e-3;
+          },
+          0.003, 5);
+      ASSERT_EQ(impacts.size(), 1U);
+      EXPECT_NEAR(impacts[0].start, 0.0, 0.02 * duration);
+      EXPECT_NEAR(impacts[0].peak / height, 1.0, 0.02);
+      EXPECT_NEAR(impacts[0].impulse / (2.0 / pi * height * duration), 1.0, 0.02);
+    }
+}
+
+// The record is quiet, the bar is let go and vibrates, and touches 4 ms later: no foot of the
+// pulse.
+TEST(FindImpacts, KeepsTheTouchOfABarThatVibratesSinceItWasLetGo) {
+  constexpr double duration = 1e-3, let_go = -4e-3;
+  for (const double part : {0.015, 0.02})
+    for (const double frequency : {600.0, 700.0, 900.0, 1400.0, 1700.0, 1900.0}) {
+      SCOPED_TRACE(testing::Message() << part << " " << frequency);
+      const auto impacts = impacts_of(
+          [&](double t) {
+            const double vibration = std::sin(2.0 * pi * frequency * (t - let_go));
+            return half_sine(t, height, duration) + (t > let_go ? part * height * vibration : 0.0);
+          },
+          0.001, 5);
+      ASSERT_EQ(impacts.size(), 1U);
+      EXPECT_NEAR(impacts[0].start, 0.0, 0.15 * duration);
+      EXPECT_NEAR(impacts[0].peak / height, 1.0,
+                  2.0 * part + 0.005);  // at the peak and before, noise
+    }
+}
+
 // Hum is level for a baseline's window at its crests, and is not for the time of a slow contact.
 TEST(UnsteadyFlag, FiresOnHumThatMovesTheImpulse) {
   constexpr double duration = 1.6e-3;
