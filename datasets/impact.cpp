@@ -49,9 +49,9 @@ constexpr std::array<FlagText, 16> flag_texts{{
      "The noise before the trigger is more than 2 % of the signal, and single samples (peak, first "
      "touch) are as uncertain; use a finer range, shield the cable, or low-pass the record."},
     {ImpactFlag::unsteady, "unsteady",
-     "The force wanders before the trigger by more than 2 % of its peak (drift, hum, or ringing of "
-     "the impact before); wait longer before the shot, or take it off with the conditioning steps "
-     "drift, decay or hum."},
+     "The force or acceleration wanders before touch by more than 2 % of its peak (drift, hum, "
+     "ringing of the impact before); wait longer before the shot, or take it off with the "
+     "conditioning steps drift, decay or hum."},
     {ImpactFlag::baseline_shift, "baseline-shift",
      "The force does not come back to its level before the impact by more than 1 % of its peak: an "
      "amplifier that was overloaded, a lower limit too high for the pulse, a ground loop, or a bar "

@@ -27,7 +27,7 @@ enum class ImpactFlag {
   unmarked_dropout,  ///< the laser's signal does what it does in a dropout, and nobody marked it
   undersampled,      ///< fewer than 20 samples over the contact
   noisy,             ///< noise before touch above 2 % of the signal
-  unsteady,          ///< force before touch wanders by more than 2 % of the peak
+  unsteady,          ///< force or acceleration before touch wanders by more than 2 % of the peak
   baseline_shift,  ///< force after the contact is off its level before by more than 1 % of the peak
   inverted,        ///< force is tension, or the bar comes from the wrong side
   swapped,         ///< what is called velocity looks like a force, and the other way round

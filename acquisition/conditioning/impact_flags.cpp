@@ -139,11 +139,11 @@ const RecordedSignal* force_among(const std::vector<const RecordedSignal*>& sign
   return nullptr;
 }
 
-/// Whether the force wanders for as long before touch as the contact takes, or the baseline's
-/// window where that is longer: the means of 16 blocks spread by more than their noise.
-bool unsteady(const RecordedSignal& force, const Impact& impact, double peak, double floor,
+/// Whether a force or an acceleration wanders for as long before touch as the contact takes, or the
+/// baseline's window where that is longer: the means of 16 blocks spread by more than their noise.
+bool unsteady(const RecordedSignal& pulse, const Impact& impact, double peak, double floor,
               const DetectionOptions& options) {
-  const Trace& trace = force.trace;
+  const Trace& trace = pulse.trace;
   const double first = std::max(0.0, std::ceil(trace.index(floor)));
   auto quiet =
       quiet_before(trace, trace.index(impact.start), static_cast<std::size_t>(first), options);
@@ -239,9 +239,11 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
        ImpactFlag::unmarked_dropout);
   flag(undersampled(contact), ImpactFlag::undersampled);
   flag(noisy(impact), ImpactFlag::noisy);
+  const Trace& trigger = signals.front()->trace;
+  if (force == nullptr && trigger.quantity == Quantity::acceleration)
+    flag(unsteady(*signals.front(), impact, contact.peak, floor, options), ImpactFlag::unsteady);
   if (force != nullptr) {
     flag(unsteady(*force, impact, peak, floor, options), ImpactFlag::unsteady);
-    const Trace& trigger = signals.front()->trace;
     const double last = contact.further_hits > 0 ? trigger.time(contact.last_end) : impact.end;
     flag(!contact.ends_inside && shifted(impact, contact, last, peak), ImpactFlag::baseline_shift);
   }

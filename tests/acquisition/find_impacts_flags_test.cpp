@@ -308,6 +308,16 @@ TEST(UnsteadyFlag, FiresOnDriftHumAndEarlierRinging) {
     }
 }
 
+TEST(UnsteadyFlag, FiresOnAnAccelerationToo) {
+  for (const double slope : {0.0, 50e3, 150e3}) {  // [1/s], of a peak of 1500
+    auto values = sampled(Sampling{}, [&](double t) { return pulse(t) + slope * t; });
+    const auto impacts = find_impacts(record_of(
+        {channel_of("Acc", datasets::Quantity::acceleration, Sampling{}, std::move(values))}));
+    ASSERT_EQ(impacts.size(), 1U);
+    EXPECT_EQ(impacts[0].has(ImpactFlag::unsteady), slope > 100e3) << slope;
+  }
+}
+
 // A record that leans by 40 % of the peak, or has a fifth of a period of strong hum in it: the
 // contact is none the less where it is.
 TEST(UnsteadyFlag, IsOfARecordThatLeansToo) {
