@@ -161,17 +161,6 @@ void CollocationRun::judge(bool solved) {
     take_or_land();
   else
     take_shorter();
-  if (getenv("DBG") && result_.cost.rejected > 3000 && result_.cost.rejected < 3040)
-    fprintf(stderr, "t %.17g err %g part %g end %d level %d rej %d h %g |", t_, tried_.error,
-            tried_.part, (int)tried_.end, level_, (int)rejected_, bar_.step());
-  if (getenv("DBG") && result_.cost.rejected > 3000 && result_.cost.rejected < 3040) {
-    for (auto& q : points_) {
-      auto m = q.struck();
-      fprintf(stderr, " ph %d ev %d d %g v %g", (int)q.phase(), (int)q.event(), m.displacement,
-              m.velocity);
-    }
-    fprintf(stderr, "\n");
-  }
   done_ = done_ || out_of_time();
 }
 
