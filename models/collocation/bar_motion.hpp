@@ -85,6 +85,8 @@ class BarMotion {
     double damping = 0.0;       ///< but where its law is damped, by μ [s/m]
     double force = 1.0;         ///< that the first stop's contact stops it with [N]
     double impulse = 1.0;       ///< likewise [N s]
+    /// What a stop's head that rings makes of vibration that comes with the bar.
+    double magnification = 1.0;
   };
 
   /// What errors are measured against.

@@ -38,7 +38,7 @@ double ChainMotion<S, Chain, Hold>::error() const {
   const bool damped = (in_contact_ || !touched_) && damping_ > 0.0;
   double weight = 1.0;
   if (touched_ && !damped && !followed_)
-    weight = in_contact_ ? weight_without_damping : weight_in_flight;
+    weight = in_contact_ ? weight_without_damping : weight_of_flight();
   const double motion = weight * h_ * weight_of_step(h_ / contact_time_) * left / speed_scale_;
   double rate = 0.0;
   if (damped) {

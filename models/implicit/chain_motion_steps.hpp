@@ -94,6 +94,7 @@ class ChainMotion final : public BarMotion {
     speed_scale_ = std::sqrt(2.0 * scales.energy);
     contact_time_ = scales.contact_time;
     damping_ = scales.damping;
+    magnification_ = scales.magnification;
   }
 
   PointMotion struck(int stop) const override { return point_before(stop, q_, v_); }
@@ -229,6 +230,9 @@ class ChainMotion final : public BarMotion {
   // paper's bar in a second of bouncing (ANCF [7, 1], eight) had impulses right to 5e-3, 4e-4, 3e-6
   // and 1e-6 at 1e-2, 1e-3, 1e-4 and 1e-5; with 0.03, to 2e-3 at 1e-3.
   static constexpr double weight_in_flight = 0.1;
+
+  /// A head that rings at the bar's own frequencies makes more of it: see Scales::magnification.
+  double weight_of_flight() const { return std::min(1.0, magnification_ * weight_in_flight); }
 
   using Stages = StageArray<S>;
   using Lanes = Eigen::Array<double, S, 1>;
@@ -419,7 +423,7 @@ class ChainMotion final : public BarMotion {
   double compliance_;
   double accuracy_;
   double weight_energy_;
-  double speed_scale_ = 1.0, contact_time_ = 1.0, damping_ = 0.0;
+  double speed_scale_ = 1.0, contact_time_ = 1.0, damping_ = 0.0, magnification_ = 1.0;
 
   Eigen::ArrayXd q_, v_;
   double h_ = 0.0, last_h_ = 0.0;

@@ -50,6 +50,11 @@ StopHead::Impulse StopHead::impulse(double t) const {
   return {shrunk * apart, shrunk * (std::exp(-2.0 * angle) - slow * apart)};
 }
 
+double StopHead::magnification(double t) const {
+  const double omega = std::sqrt(stiffness_ / mass_);
+  return 1.0 / (2.0 / (omega * t) + 2.0 * decay_ / omega);
+}
+
 StopHead::State StopHead::coasted(const State& from, double t) const {
   const Impulse unit = impulse(t);
   const double still = unit.velocity + 2.0 * decay_ * unit.displacement;  // x of x₀ = 1

@@ -44,6 +44,10 @@ class StopHead {
 
   Impulse impulse(double t) const;
 
+  /// What resonance makes, in a time t [s], of a force at the head's own frequency: ½ω t at first,
+  /// 1/2ζ in the end, less than either between.
+  double magnification(double t) const;
+
   /// Free for a time t [s].
   State coasted(const State& from, double t) const;
 

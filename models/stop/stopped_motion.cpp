@@ -36,7 +36,9 @@ void StoppedMotion::start(double angle, double rate) {
 }
 
 void StoppedMotion::set_scales(const Scales& scales) {
-  bar_.set_scales(scales);
+  Scales of_bar = scales;
+  of_bar.magnification = std::max(1.0, head_.magnification(scales.contact_time));
+  bar_.set_scales(of_bar);
   energy_scale_ = scales.energy;
   force_scale_ = std::min({std::sqrt(2.0 * scales.energy / compliance_), scales.force,
                            scales.impulse * head_.mode().omega});
