@@ -91,15 +91,15 @@ void add_detection_arguments(CLI::App& command, DetectionArguments& arguments) {
   command
       .add_option(
           "--pre-trigger", arguments.pre_trigger,
-          "Time kept before first touch, whose noise is judged [s]; default 0.5e-3, of slow or "
-          "filtered channels 200 samples")
+          "Time kept before first touch, whose noise is judged [s]; default 0.5e-3, half of a long "
+          "contact's time, of slow or filtered channels 200 samples")
       ->transform(with_unit("s"))
       ->check(positive)
       ->group(group);
   command
       .add_option("--post-trigger", arguments.post_trigger,
                   "Time kept after first touch; later contacts within it are further hits [s]; "
-                  "default 5e-3")
+                  "default 5e-3, and as long after a long contact as that took")
       ->transform(with_unit("s"))
       ->check(positive)
       ->group(group);

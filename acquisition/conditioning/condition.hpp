@@ -37,14 +37,19 @@ datasets::Record condition(const datasets::Record& record, const SensorSet& sens
 /// How impacts are looked for.
 struct DetectionOptions {
   double threshold = 0.0;  ///< on the trigger channel [SI]; 0 = from noise and peak
-  /// Kept before first touch [s]; none: least_pre_trigger, or 200 samples that no filter ties to
-  /// each other of the slowest channel, up to 50 ms.
+  /// Kept before first touch [s]; none: least_pre_trigger, or half as long as the contact takes, or
+  /// 200 samples that no filter ties to each other of the slowest channel, up to 50 ms.
   std::optional<double> pre_trigger{};
   static constexpr double least_pre_trigger = 0.5e-3;  ///< [s]
-  double post_trigger = 5e-3;                          ///< kept after first touch [s]
+  /// Kept after first touch [s]; none: least_post_trigger, or twice as long as the contact takes.
+  std::optional<double> post_trigger{};
+  static constexpr double least_post_trigger = 5e-3;  ///< [s]
 
   /// Where the channels' rates do not matter [s].
   double before() const { return pre_trigger.value_or(least_pre_trigger); }
+
+  /// Within which later contacts are further hits [s].
+  double after() const { return post_trigger.value_or(least_post_trigger); }
 
   /// Name or index; "" = the first force, else acceleration, else velocity, else displacement.
   std::string trigger_channel{};

@@ -79,7 +79,7 @@ std::vector<Contact> find_bounces(const Trace& trace, const DetectionOptions& op
   std::vector<Contact> contacts;
   if (trace.values.size() < 32) return contacts;
   const auto window = static_cast<std::size_t>(std::max(200.0, options.before() / trace.interval));
-  const auto post = static_cast<std::size_t>(options.post_trigger / trace.interval);
+  const auto post = static_cast<std::size_t>(options.after() / trace.interval);
   const BendSearch bends(trace.values, trace.valid, trace.interval, grain_of_motion(trace));
   std::size_t floor = 0, earliest = 0;
   while (const auto bend = bends.first(floor, earliest)) {

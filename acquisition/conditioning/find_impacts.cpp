@@ -41,7 +41,7 @@ double as_double(std::size_t n) {
 }
 
 void refuse_senseless(const DetectionOptions& options) {
-  for (const double option : {options.threshold, options.before(), options.post_trigger})
+  for (const double option : {options.threshold, options.before(), options.after()})
     if (!(option >= 0.0) || !std::isfinite(option))
       throw std::invalid_argument(fmt::format(
           "threshold, pre_trigger and post_trigger must be finite and not negative, not {}",
@@ -324,6 +324,25 @@ void tell_rebound(const Bounce& bounce, const Trace& trace, Impact& impact) {
   impact.rebound = std::move(told);
 }
 
+/// What a contact and its further hits take [s]. What has not ended with the record may be a force
+/// that stays.
+double time_taken(const Contact& contact, const Trace& trace) {
+  constexpr double of_width = 4.0;
+  const double taken = std::max(contact.end, contact.last_end) - contact.onset;
+  return trace.interval * (contact.ends_inside ? std::min(taken, of_width * contact.width) : taken);
+}
+
+/// Where nothing is stated a contact comes with half of its time before it, in which noise that is
+/// slow beside it shows, and as long behind it as it took, to see what it leaves the bar in.
+DetectionOptions options_for(const Contact& contact, const Trace& trace, double usual_before,
+                             const DetectionOptions& options) {
+  const double taken = time_taken(contact, trace);
+  DetectionOptions kept = options;
+  kept.pre_trigger = options.pre_trigger.value_or(std::max(usual_before, 0.5 * taken));
+  kept.post_trigger = options.post_trigger.value_or(std::max(options.after(), 2.0 * taken));
+  return kept;
+}
+
 Impact impact_of(const Contact& contact, const RecordedSignal& trigger,
                  const std::vector<const RecordedSignal*>& sources, const Window& window,
                  const DetectionOptions& options) {
@@ -336,7 +355,8 @@ Impact impact_of(const Contact& contact, const RecordedSignal& trigger,
   impact.width = contact.width * trace.interval;
   impact.impulse = contact.impulse * trace.interval;
   for (const RecordedSignal* const source : sources) {
-    auto signal = signal_of(*source, impact.start, window, options);
+    auto signal = signal_of(*source, impact.start, window,
+                            options_for(contact, trace, options.before(), options));
     if (!signal) continue;
     if (signal->quantity == Quantity::force) {
       subtract_baseline(*signal, source == &trigger
@@ -410,9 +430,10 @@ std::vector<Impact> find_impacts(const Record& record, const DetectionOptions& o
   Window window{0.0, 0.0, -INFINITY};
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double start = trigger.trace.time(contacts[i].onset);
-    window.begin = std::max(start - before, window.floor);
+    const DetectionOptions kept = options_for(contacts[i], trigger.trace, before, options);
+    window.begin = std::max(start - kept.before(), window.floor);
     // times may be in another unit than stated: who judges them needs to see something
-    window.end = start + std::max(options.post_trigger, least_shown * trigger.trace.interval);
+    window.end = start + std::max(kept.after(), least_shown * trigger.trace.interval);
     if (i + 1 < contacts.size())
       window.end = std::min(window.end, trigger.trace.time(contacts[i + 1].onset - 1.0));
     impacts.push_back(impact_of(contacts[i], trigger, sources, window, options));

@@ -70,7 +70,7 @@ class JumpSearch {
         options_(options),
         grain_(grain_of(y_, trace.valid)),
         window_(static_cast<std::size_t>(std::max(200.0, options.before() / trace.interval))),
-        post_(static_cast<std::size_t>(options.post_trigger / trace.interval)) {
+        post_(static_cast<std::size_t>(options.after() / trace.interval)) {
     const double n = as_double(y_.size());
     m_ = static_cast<std::size_t>(
         std::clamp(comparison_time / trace.interval, 4.0, std::max(4.0, n / 16.0)));

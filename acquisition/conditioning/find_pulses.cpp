@@ -254,7 +254,7 @@ Baseline PulseSearch::baseline_before(std::size_t end, std::size_t floor, const 
 
 std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t floor,
                                             const Trigger& trigger) const {
-  const auto post = static_cast<std::size_t>(options_.post_trigger / trace_.interval);
+  const auto post = static_cast<std::size_t>(options_.after() / trace_.interval);
   const Pulse pulse = tallest(trigger, crossing, post + 1);
   // A quarter is left out at first, since some pulses begin with a long foot, or more where that is
   // level; then, when first touch is known, what lies before it counts.
@@ -298,8 +298,8 @@ std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::
                             .stop = std::max(baseline.sigma, 0.5 * grain_),
                             .noise = noise,
                             .floor = floor};
-  return measure_pulse(excursion, crossing, trigger.threshold,
-                       options_.post_trigger / trace_.interval, touch);
+  return measure_pulse(excursion, crossing, trigger.threshold, options_.after() / trace_.interval,
+                       touch);
 }
 
 /// The greatest departure within [begin, end), in blocks that lie within it.
@@ -320,7 +320,7 @@ double PulseSearch::height_by_blocks(double level, std::size_t begin, std::size_
 std::size_t PulseSearch::next_impact(const Contact& contact, const Trigger& trigger,
                                      std::size_t& floor) const {
   const auto rest = static_cast<std::size_t>(std::max(10.0, 2.0 * contact.width));
-  const auto post = static_cast<std::size_t>(options_.post_trigger / trace_.interval);
+  const auto post = static_cast<std::size_t>(options_.after() / trace_.interval);
   const auto end = static_cast<std::size_t>(contact.end);
   std::size_t last_above = end;
   for (std::size_t j = first_above(trigger, last_above + 1); j < y_.size();

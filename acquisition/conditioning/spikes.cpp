@@ -149,7 +149,7 @@ std::vector<Spike> spikes_after(const Trace& trace, double quantum,
   const double noise = noise_of(trace, quantum);
   for (const Contact& contact : contacts) {
     const Search search{trace, std::max(of_peak * std::abs(contact.peak), of_noise * noise),
-                        contact.end, contact.onset + options.post_trigger / trace.interval};
+                        contact.end, contact.onset + options.after() / trace.interval};
     search.run([&](const Spike& spike) { return spike.is_short_beside({contact}); }, spikes);
   }
   return spikes;
@@ -162,7 +162,7 @@ std::vector<Spike> spikes_like(const Spike& spike, const Trace& trace, double qu
   const auto begin = static_cast<double>(spike.range.begin),
              end = static_cast<double>(spike.range.end);
   const Search search{trace, std::max(of_peak * spike.height, of_noise * noise_of(trace, quantum)),
-                      end, begin + options.post_trigger / trace.interval};
+                      end, begin + options.after() / trace.interval};
   search.run(
       [&](const Spike& other) {
         return other.range.size() <= std::max(fewest, spike.range.size());

@@ -210,6 +210,37 @@ TEST(FindImpacts, CutsTheWindowToTheOptionsAndTheRecord) {
   EXPECT_EQ(beyond[0].force->values.size(), at.samples);
 }
 
+// A soft contact takes longer than what is kept of others: cut in the middle, a fit told nothing of
+// e. What is stated is kept to.
+TEST(FindImpacts, KeepsAsLongAfterALongContactAsItTook) {
+  const Sampling at{.start = -10e-3, .interval = 20e-6, .samples = 4000};
+  for (const double length : {1e-3, 2.4e-3, 4e-3, 16e-3}) {
+    const Record record = record_of({force_of(
+        at, sampled(at, [&](double t) { return half_sine(t - 0.3e-6, 1500.0, length); }))});
+    const auto kept = [&](const DetectionOptions& options) {
+      const auto impacts = find_impacts(record, options);
+      const auto& force = impacts.at(0).force;
+      return force->time(force->values.size() - 1);
+    };
+    EXPECT_NEAR(kept({}), std::max(5e-3, 2.0 * length), 40e-6) << length;
+    EXPECT_NEAR(kept({.post_trigger = 3e-3}), 3e-3, 40e-6) << length;
+  }
+}
+
+// A force that stays after the impact, to the end of a long record, is no contact of that length.
+TEST(FindImpacts, KeepsNoWholeRecordOfAForceThatStays) {
+  const Sampling at{.start = -10e-3, .interval = 20e-6, .samples = 20000};
+  const Record record =
+      record_of({force_of(at, sampled(at, [](double t) {
+                            const double stays = t > 0.0 ? 300.0 * (1.0 + std::exp(-t / 0.2)) : 0.0;
+                            return half_sine(t, 1500.0, 4e-3) + stays;
+                          }))});
+  const auto impacts = find_impacts(record);
+  ASSERT_EQ(impacts.size(), 1U);
+  EXPECT_TRUE(impacts[0].has(datasets::ImpactFlag::truncated_tail));
+  EXPECT_LT(impacts[0].force->values.size(), 2000U);  // 40 ms
+}
+
 // Noise is judged by what lies before touch: 0.5 ms of it are ten samples at 20 kHz, and as few
 // that tell something of their own behind a low-pass.
 TEST(FindImpacts, KeepsMoreBeforeTouchOfSlowAndOfFilteredChannels) {
