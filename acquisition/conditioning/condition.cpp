@@ -287,6 +287,8 @@ Channel conditioned(const Record& record, const Claim& claim, Record& result) {
   keep_calibration(channel, *claim.sensor);
   if (claim.sensor->range > 0.0)
     channel.attributes["sensor.range"] = fmt::format("{}", claim.sensor->range);
+  if (const auto& cut = claim.sensor->low_cut; cut && cut->order == 1)
+    channel.attributes["sensor.low_cut"] = fmt::format("{}", cut->frequency);
   warn_of_low_cut(claim, result);
   return channel;
 }

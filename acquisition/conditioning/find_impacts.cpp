@@ -96,10 +96,13 @@ RecordedSignal source_of(const Channel& channel, const Record& record) {
     bridge_glitches(source.trace, source.quantum);
   else
     mark_dead_tail(source.quantum, source.trace);
-  const auto stated = channel.attributes.find("sensor.range");
-  if (stated != channel.attributes.end())
-    std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(),
-                    source.range);
+  const auto take_stated = [&](const char* name, double& number) {
+    const auto stated = channel.attributes.find(name);
+    if (stated == channel.attributes.end()) return;
+    std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(), number);
+  };
+  take_stated("sensor.range", source.range);
+  take_stated("sensor.low_cut", source.low_cut);
   if (const auto to_si = datasets::conversion(channel.unit, si_unit(channel.quantity)))
     source.step_before = std::abs(to_si->factor) * noted_digitiser_step(record, channel);
   if (auto filters = datasets::filters_of(record, channel)) source.filters = std::move(*filters);

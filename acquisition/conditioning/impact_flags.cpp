@@ -2,9 +2,12 @@
 #include "acquisition/conditioning/impact_flags.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "acquisition/conditioning/background.hpp"
@@ -182,10 +185,57 @@ double rounding_error(double sigma, double quantum) {
   return sigma > 0.5 * quantum ? 0.012 * quantum : 0.5 * quantum;
 }
 
-/// Whether the force after the last contact, which ends at `end` [s], lies off its level before.
-/// Ringing has a mean near zero and scatters more than that. A bar that hits again may go on
-/// pressing, so what has the sign of the peak is no shift then.
-bool shifted(const Impact& impact, const Contact& contact, double end, double peak) {
+/// What a force does about a level for longer than an eighth of the stretch: ringing, hum and
+/// drift, by the means of eight blocks.
+double slow_scatter(std::span<const double> stretch) {
+  constexpr std::size_t blocks = 8;
+  std::array<double, blocks> means;
+  const std::size_t n = stretch.size();
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const auto block = stretch.subspan(n * b / blocks, n * (b + 1) / blocks - n * b / blocks);
+    means[b] = std::accumulate(block.begin(), block.end(), 0.0) / as_double(block.size());
+  }
+  const double mean = std::accumulate(means.begin(), means.end(), 0.0) / as_double(blocks);
+  double square = 0.0;
+  for (const double of_block : means) square += std::pow(of_block - mean, 2);
+  return std::sqrt(square / as_double(blocks));
+}
+
+/// Of a level after an impact against the one before, by noise [N].
+struct LevelError {
+  double slow;   ///< the part of the noise that does not change from sample to sample
+  double means;  ///< four standard deviations of what the rest leaves of both levels
+};
+
+LevelError level_error(const ImpactSignal& force, double touch, double sigma_after,
+                       std::size_t samples_after) {
+  const auto before = static_cast<std::size_t>(
+      std::clamp((touch - force.start) / force.interval, 0.0, as_double(force.values.size())));
+  if (before < least_after) return {force.noise, 0.0};
+  const std::span quiet(force.values.data(), before);
+  const std::span valid = std::span(force.valid).first(std::min(before, force.valid.size()));
+  const double fast = step_noise(quiet, valid);
+  // a line's end is known half as well as the mean along it
+  const double ends = 1.0 / as_double(samples_after) + 4.0 / as_double(before);
+  return {std::sqrt(std::max(0.0, force.noise * force.noise - fast * fast)),
+          4.0 * std::max(sigma_after, force.noise) * std::sqrt(ends)};
+}
+
+/// How far below its level before a low cut of first order [Hz] leaves a force at a time [s] [N].
+double taken_by_low_cut(const ImpactSignal& force, double low_cut, double until) {
+  const double rate = 2.0 * std::numbers::pi * low_cut;
+  double pushed = 0.0;
+  for (std::size_t i = 0; i < force.values.size() && force.time(i) < until; ++i)
+    pushed += force.values[i] * force.interval;
+  return rate * pushed;
+}
+
+/// Whether the force after the last contact, which ends at `end` [s], lies off its level before,
+/// and off where the sensor's low cut [Hz] leaves it too. Ringing has a mean near zero and scatters
+/// more than that. A bar that hits again may go on pressing, so what has the sign of the peak is no
+/// shift then.
+bool shifted(const Impact& impact, const Contact& contact, double end, double peak,
+             double low_cut) {
   const ImpactSignal& force = *impact.force;
   const double from = end + impact.width, to = end + 6.0 * impact.width;
   std::vector<double> after;
@@ -196,13 +246,15 @@ bool shifted(const Impact& impact, const Contact& contact, double end, double pe
   }
   if (after.size() < least_after) return false;
   const QuietFit level = fit_quiet(after, 0, after.size(), 0, force.quantum);
-  double scatter = robust_spread(after).sigma;
-  if (scatter <= 1.01 * normal_mad * force.quantum) scatter = level.sigma;  // a step: no less shows
   if (contact.further_hits > 0 && level.mean * peak > 0.0) return false;
+  const LevelError error = level_error(force, impact.start, level.sigma, after.size());
   const double rounding =
       rounding_error(force.noise, force.quantum) + rounding_error(level.sigma, force.quantum);
-  return std::abs(level.mean) >
-         std::max({much_shift * std::abs(peak), scatter, force.noise, rounding});
+  const double middle = 0.5 * (from + std::min(to, force.time(force.values.size() - 1)));
+  const double below = taken_by_low_cut(force, low_cut, middle);
+  return std::min(std::abs(level.mean), std::abs(level.mean + below)) >
+         std::max(
+             {much_shift * std::abs(peak), slow_scatter(after), error.slow, error.means, rounding});
 }
 
 /// Tension in the contact, or a bar that comes from the other side, which a record that begins
@@ -245,7 +297,8 @@ std::vector<ImpactFlag> flags_of(const Impact& impact, const Contact& contact,
   if (force != nullptr) {
     flag(unsteady(*force, impact, peak, floor, options), ImpactFlag::unsteady);
     const double last = contact.further_hits > 0 ? trigger.time(contact.last_end) : impact.end;
-    flag(!contact.ends_inside && shifted(impact, contact, last, peak), ImpactFlag::baseline_shift);
+    flag(!contact.ends_inside && shifted(impact, contact, last, peak, force->low_cut),
+         ImpactFlag::baseline_shift);
   }
   flag(inverted(impact, contact, peak), ImpactFlag::inverted);
   return flags;

@@ -17,6 +17,7 @@ struct RecordedSignal {
   double range;                                      ///< [SI]; 0 unknown
   double quantum;                                    ///< digitiser step [SI]; 0 not seen
   double step_before = 0.0;                          ///< likewise, before its filters
+  double low_cut = 0.0;                              ///< of first order [Hz]; 0 unknown
   std::vector<datasets::SampleFilter> filters = {};  ///< that it has been through, where told
 };
 

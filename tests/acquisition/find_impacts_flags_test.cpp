@@ -363,6 +363,53 @@ TEST(BaselineShiftFlag, FiresWhereTheForceDoesNotComeBack) {
     }
 }
 
+/// Behind an amplifier with a low cut of first order of a hundredth of the contact's frequency a
+/// force comes to lie below zero, by 3 to 4 % of the peak at the contact's end.
+datasets::Record shot_behind_low_cut(double length, double noise, std::uint64_t seed) {
+  const Sampling at{.start = -length, .interval = length / 400.0, .samples = 2400};
+  double below = 0.0;
+  auto force = sampled(at, [&](double t) {
+    const double pushed = half_sine(t, 1500.0, length) - below;
+    below += 2.0 * pi * 0.01 / length * at.interval * pushed;
+    return pushed;
+  });
+  add_noise(force, noise * 1500.0, seed);
+  return record_of({force_of(at, force)});
+}
+
+// Noise of the single samples hides little of it.
+TEST(BaselineShiftFlag, FiresBelowTheNoiseOfSingleSamplesToo) {
+  for (const double length : {0.5e-3, 2e-3, 16e-3})
+    for (const double noise : {1e-3, 1e-2, 2e-2})
+      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        const auto impacts = find_impacts(shot_behind_low_cut(length, noise, seed));
+        ASSERT_EQ(impacts.size(), 1U);
+        EXPECT_TRUE(impacts[0].has(ImpactFlag::baseline_shift))
+            << length << " " << noise << " " << seed;
+      }
+}
+
+// A prediction goes through the low cut that is stated; of half of it, it says nothing.
+TEST(BaselineShiftFlag, IsSilentOnTheLowCutThatIsStated) {
+  for (const double length : {0.5e-3, 16e-3})
+    for (const double part : {1.0, 0.5}) {
+      auto record = shot_behind_low_cut(length, 1e-3, 1);
+      record.channels[0].attributes["sensor.low_cut"] = std::to_string(part * 0.01 / length);
+      EXPECT_EQ(find_impacts(record).at(0).has(ImpactFlag::baseline_shift), part < 1.0)
+          << length << " " << part;
+    }
+}
+
+TEST(BaselineShiftFlag, IsSilentOnNoise) {
+  for (const double noise : {1e-3, 1e-2, 3e-2})
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+      auto force = sampled(Sampling{}, pulse);
+      add_noise(force, noise * 1500.0, seed);
+      EXPECT_FALSE(impact_in(std::move(force)).has(ImpactFlag::baseline_shift))
+          << noise << " " << seed;
+    }
+}
+
 // A sensor that rings has a mean of zero, however much.
 TEST(BaselineShiftFlag, IsSilentOnRinging) {
   for (const double frequency : {1e3, 3e3, 8e3, 20e3})
