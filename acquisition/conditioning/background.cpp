@@ -179,6 +179,25 @@ double step_noise(std::span<const double> values, std::span<const std::uint8_t> 
   return normal_mad * median(std::move(steps)) / std::sqrt(6.0);
 }
 
+double range_of_means(std::span<const double> values, std::span<const std::uint8_t> valid,
+                      std::size_t blocks) {
+  double least = INFINITY, most = -INFINITY;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const std::size_t from = values.size() * b / blocks;
+    const std::size_t to = values.size() * (b + 1) / blocks;
+    double sum = 0.0, sound = 0.0;
+    for (std::size_t i = from; i < to; ++i) {
+      if (!valid.empty() && valid[i] == 0) continue;
+      sum += values[i];
+      sound += 1.0;
+    }
+    if (sound == 0.0 || 4.0 * sound < as_double(to - from)) continue;
+    least = std::min(least, sum / sound);
+    most = std::max(most, sum / sound);
+  }
+  return std::max(0.0, most - least);
+}
+
 double noise_gate(std::size_t n) {
   return std::max(6.0, std::sqrt(2.0 * std::log(as_double(n))) + 1.7);
 }

@@ -33,6 +33,11 @@ Spread robust_spread(std::span<const double> values, std::span<const std::uint8_
 /// blind to anything slow.
 double step_noise(std::span<const double> values, std::span<const std::uint8_t> valid = {});
 
+/// From the least to the largest mean of this many blocks: what a signal does that is slow beside
+/// them. Blocks of which less than a quarter counts are left out.
+double range_of_means(std::span<const double> values, std::span<const std::uint8_t> valid,
+                      std::size_t blocks);
+
 /// How many standard deviations nothing but noise may reach among n samples: 6, and more from 10⁴
 /// samples on, sqrt(2 ln n) + 1.7 (the expected extreme of n normal numbers, plus a margin that
 /// normal noise passes less than once in 10⁴ records).

@@ -58,6 +58,8 @@ class PulseSearch {
   std::optional<Contact> measure_from(const Baseline& baseline, std::size_t crossing,
                                       std::size_t floor, const Trigger& trigger,
                                       std::optional<double> touch = {}) const;
+  bool wanders_like_foot(const Contact& far, const Contact& near, const QuietFit& level,
+                         std::size_t floor, std::size_t length) const;
   std::optional<Contact> measure(std::size_t crossing, std::size_t floor,
                                  const Trigger& trigger) const;
   double height_by_blocks(double level, std::size_t begin, std::size_t end) const;
@@ -252,6 +254,27 @@ Baseline PulseSearch::baseline_before(std::size_t end, std::size_t floor, const 
       .value_or(Baseline{.constant = trigger.level, .sigma = trigger.sigma});
 }
 
+/// Whether the signal wanders by as much as the foot rises that a contact has by the level far
+/// before it, and has not by the one near to it: hum or drift, then, not a foot. Told by the means
+/// of blocks over as long as the pulse takes, before the foot and what tells the far level.
+bool PulseSearch::wanders_like_foot(const Contact& far, const Contact& near, const QuietFit& level,
+                                    std::size_t floor, std::size_t length) const {
+  constexpr double alike = 0.5;
+  constexpr std::size_t blocks = 16, fewest = 4;
+  const double foot = near.onset - far.onset;
+  if (foot < as_double(window_ / 8)) return false;
+  const std::size_t end = std::min(static_cast<std::size_t>(far.onset), level.end);
+  const std::size_t size = std::max(length, static_cast<std::size_t>(foot));
+  const std::size_t begin = std::max(floor, end > size ? end - size : 0);
+  if (as_double(end - begin) < foot || end - begin < fewest * blocks) return false;
+  const auto before = y_.subspan(begin, end - begin);
+  const auto marks = trace_.marks(begin, end);
+  const double noise =
+      step_noise(before, marks) / std::sqrt(as_double(end - begin) / as_double(blocks));
+  return range_of_means(before, marks, blocks) - 4.0 * noise >
+         alike * std::abs(near.baseline - far.baseline);
+}
+
 std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t floor,
                                             const Trigger& trigger) const {
   const auto post = static_cast<std::size_t>(options_.after() / trace_.interval);
@@ -263,11 +286,14 @@ std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t fl
     guard = std::max<std::size_t>(3, std::min(far, guard));
     return baseline_before(crossing > guard ? crossing - guard : 0, floor, pulse, trigger);
   };
-  std::optional<Contact> contact;
+  const Baseline near = baseline_apart(window_ / 4);
+  std::optional<Contact> contact = measure_from(near, crossing, floor, trigger);
   if (pulse.length / 8 > window_ / 4)
     if (const Baseline farther = baseline_apart(pulse.length / 8); farther.steady)
-      contact = measure_from(farther, crossing, floor, trigger);
-  if (!contact) contact = measure_from(baseline_apart(window_ / 4), crossing, floor, trigger);
+      if (const auto far_off = measure_from(farther, crossing, floor, trigger);
+          far_off && !(contact && near.steady &&
+                       wanders_like_foot(*far_off, *contact, farther.fit, floor, pulse.length)))
+        contact = far_off;
   if (!contact) return std::nullopt;
   // what crossed the threshold first may be a slope that the pulse stands on
   const bool lies_before = contact->onset > as_double(crossing);

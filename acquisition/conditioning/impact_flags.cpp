@@ -155,27 +155,14 @@ bool unsteady(const RecordedSignal& pulse, const Impact& impact, double peak, do
   const double begin = std::max(first, as_double(quiet->end) - contact);
   quiet->begin = std::min(quiet->begin, static_cast<std::size_t>(std::max(0.0, begin)));
   if (quiet->end - quiet->begin < 4 * quiet_blocks) return false;
-  double least = INFINITY, most = -INFINITY;
   const std::size_t n = quiet->end - quiet->begin;
-  for (std::size_t b = 0; b < quiet_blocks; ++b) {
-    const std::size_t from = quiet->begin + n * b / quiet_blocks;
-    const std::size_t to = quiet->begin + n * (b + 1) / quiet_blocks;
-    double sum = 0.0, sound = 0.0;
-    for (std::size_t i = from; i < to; ++i) {
-      if (!trace.is_valid(i)) continue;
-      sum += trace.values[i];
-      sound += 1.0;
-    }
-    if (4.0 * sound < as_double(to - from)) continue;
-    const double mean = sum / sound;
-    least = std::min(least, mean);
-    most = std::max(most, mean);
-  }
+  const std::span<const double> before(trace.values.data() + quiet->begin, n);
+  const auto marks = trace.marks(quiet->begin, quiet->end);
   // White noise only: what is correlated over a block is wandering.
   const double noise =
-      step_noise({trace.values.data() + quiet->begin, n}, trace.marks(quiet->begin, quiet->end)) /
-      std::sqrt(as_double(n) / as_double(quiet_blocks));
-  return most - least > much_wandering * std::abs(peak) + 6.0 * noise;
+      step_noise(before, marks) / std::sqrt(as_double(n) / as_double(quiet_blocks));
+  return range_of_means(before, marks, quiet_blocks) >
+         much_wandering * std::abs(peak) + 6.0 * noise;
 }
 
 /// How far a digitiser's rounding may move the mean of a level: half of a step where all samples

@@ -119,6 +119,25 @@ TEST(FindImpacts, KeepsTheTouchOfABarThatVibratesSinceItWasLetGo) {
     }
 }
 
+// What rises before touch may be hum, level for a while before that: no foot where it had risen and
+// fallen by as much already.
+TEST(FindImpacts, TakesNoSmallHumForTheFootOfASlowContact) {
+  constexpr double duration = 25e-3;
+  const Sampling at{-20e-3, 10e-6, 10000};
+  for (const double part : {0.001, 0.002, 0.004})
+    for (int phase = 0; phase < 16; ++phase) {
+      SCOPED_TRACE(testing::Message() << part << " " << phase);
+      std::vector<double> values = sampled(at, [&](double t) {
+        return half_sine(t, height, duration) +
+               part * height * std::sin(2.0 * pi * (50.0 * t + phase / 16.0));
+      });
+      add_noise(values, 0.0005 * height, 11);
+      const auto impacts = find_impacts(record_of({force_of(at, std::move(values))}));
+      ASSERT_EQ(impacts.size(), 1U);
+      EXPECT_NEAR(impacts[0].start, 0.0, 0.02 * duration);
+    }
+}
+
 // Hum is level for a baseline's window at its crests, and is not for the time of a slow contact.
 TEST(UnsteadyFlag, FiresOnHumThatMovesTheImpulse) {
   constexpr double duration = 1.6e-3;
