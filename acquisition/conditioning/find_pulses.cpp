@@ -62,6 +62,8 @@ class PulseSearch {
                          std::size_t floor, std::size_t length) const;
   std::optional<Contact> measure(std::size_t crossing, std::size_t floor,
                                  const Trigger& trigger) const;
+  bool swings(double level, double least, std::size_t begin, std::size_t end) const;
+  std::size_t first_contact(const Trigger& trigger) const;
   double height_by_blocks(double level, std::size_t begin, std::size_t end) const;
   std::size_t next_impact(const Contact& contact, const Trigger& trigger, std::size_t& floor) const;
 
@@ -364,6 +366,43 @@ std::size_t PulseSearch::next_impact(const Contact& contact, const Trigger& trig
   return y_.size();
 }
 
+/// Whether a stretch departs from a level by at least this both ways.
+bool PulseSearch::swings(double level, double least, std::size_t begin, std::size_t end) const {
+  const auto stretch = y_.subspan(begin, end - begin);
+  const auto [low, high] = std::ranges::minmax(stretch);
+  return high - level >= least && level - low >= least;
+}
+
+/// The first crossing; of a bar that vibrates since it was let go, and then touches, that of the
+/// contact. A contact pushes one way: what swings both ways alike until the highest pulse begins,
+/// and reaches a fifth of it at most, is none.
+std::size_t PulseSearch::first_contact(const Trigger& trigger) const {
+  constexpr double part = 0.2;   // of the pulse
+  constexpr double alike = 0.5;  // of the larger swing, the other
+  constexpr double flank = 1.3;  // times the vibration, where the contact is
+  const std::size_t crossing = first_above(trigger, 0);
+  if (crossing >= y_.size()) return crossing;
+  const Pulse pulse = tallest(trigger, crossing, y_.size());
+  const double sign = y_[pulse.top] < trigger.level ? -1.0 : 1.0;
+  const auto height = [&](std::size_t i) { return sign * (y_[i] - trigger.level); };
+  std::size_t rise = pulse.top;
+  while (rise > crossing && height(rise) > 0.0) --rise;
+  if (rise < crossing + 4) return crossing;
+  const double largest = this->height(trigger.level, crossing, rise);
+  if (largest > part * pulse.height) return crossing;
+  // for as long as it takes, not only where a weak contact rings
+  const auto post = static_cast<std::size_t>(options_.after() / trace_.interval);
+  const std::size_t parts = std::min<std::size_t>(4, 1 + (rise - crossing) / (post + 1));
+  for (std::size_t k = 0; k < parts; ++k) {
+    const std::size_t begin = crossing + (rise - crossing) * k / parts;
+    const std::size_t end = crossing + (rise - crossing) * (k + 1) / parts;
+    if (!swings(trigger.level, alike * largest, begin, end)) return crossing;
+  }
+  std::size_t contact = rise;
+  while (contact < pulse.top && height(contact) <= flank * largest) ++contact;
+  return contact;
+}
+
 std::vector<Contact> PulseSearch::run() {
   std::optional<Trigger> trigger = sparse_trigger();
   if (!trigger) trigger = dense_trigger();
@@ -377,7 +416,8 @@ std::vector<Contact> PulseSearch::run() {
   std::vector<Contact> contacts;
   if (!trigger) return contacts;
   std::size_t floor = 0;
-  std::size_t crossing = first_above(*trigger, 0);
+  std::size_t crossing =
+      options_.threshold > 0.0 ? first_above(*trigger, 0) : first_contact(*trigger);
   while (crossing < y_.size()) {
     const auto contact = measure(crossing, floor, *trigger);
     if (contact) {

@@ -138,6 +138,52 @@ TEST(FindImpacts, TakesNoSmallHumForTheFootOfASlowContact) {
     }
 }
 
+// Vibration that passes the threshold of 5 % of the peak was the impact, and the contact one of its
+// further hits, or not told at all.
+TEST(FindImpacts, FindsTheContactOfABarThatVibratesByMoreThanTheThreshold) {
+  constexpr double duration = 0.8e-3;
+  for (const double let_go : {-2e-3, -9e-3})
+    for (const double part : {0.06, 0.1, 0.14})
+      for (const double frequency : {900.0, 1700.0, 2900.0}) {
+        SCOPED_TRACE(testing::Message() << let_go << " " << part << " " << frequency);
+        const auto impacts = impacts_of(
+            [&](double t) {
+              const double vibration = std::sin(2.0 * pi * frequency * (t - let_go));
+              const double left = t < 0.0 ? 1.0 : std::exp(-4.0 * t / duration);
+              return half_sine(t, height, duration) +
+                     (t > let_go ? part * height * left * vibration : 0.0);
+            },
+            0.001, 5);
+        ASSERT_EQ(impacts.size(), 1U);
+        EXPECT_NEAR(impacts[0].start, 0.0, 0.5 / frequency);
+        EXPECT_NEAR(impacts[0].peak / height, 1.0, 1.1 * part);
+        EXPECT_FALSE(impacts[0].has(ImpactFlag::double_hit));
+      }
+}
+
+// A weak contact rings, but not both ways alike until the next.
+TEST(FindImpacts, KeepsAWeakContactBeforeAStrongOne) {
+  constexpr double duration = 0.8e-3;
+  for (const double part : {0.06, 0.1, 0.18})
+    for (const double ringing : {0.1, 0.4})
+      for (const double before : {3e-3, 7e-3}) {
+        SCOPED_TRACE(testing::Message() << part << " " << ringing << " " << before);
+        const auto impacts = impacts_of(
+            [&](double t) {
+              const double since = t + before - duration;
+              const double rings = since > 0.0 ? ringing * std::exp(-since / 2e-3) *
+                                                     std::sin(2.0 * pi * 9000.0 * since)
+                                               : 0.0;
+              return half_sine(t, height, duration) +
+                     part * (half_sine(t + before, height, duration) + rings * height);
+            },
+            0.001, 5);
+        ASSERT_FALSE(impacts.empty());
+        EXPECT_NEAR(impacts[0].start, -before, 0.1 * duration);
+        EXPECT_NEAR(impacts[0].peak / height, part, 0.1 * part);
+      }
+}
+
 // Hum is level for a baseline's window at its crests, and is not for the time of a slow contact.
 TEST(UnsteadyFlag, FiresOnHumThatMovesTheImpulse) {
   constexpr double duration = 1.6e-3;
