@@ -11,12 +11,13 @@ namespace impactrig::acquisition {
 
 namespace {
 
-constexpr double comparison_time = 0.2e-3;  ///< [s] averaged on either side: about one contact
-constexpr double longest_dropout = 300e-6;  ///< [s], as the conditioning step has it
-constexpr double on_course = 5.0;           ///< standard deviations
-constexpr double beyond_scatter = 1.5;      ///< of a lasting change; a linear fall has 1.7
-constexpr std::size_t least_return = 16;    ///< samples
-constexpr std::size_t fewest_samples = 8;   ///< that say what a course is
+constexpr double comparison_time = 0.2e-3;   ///< [s] averaged on either side: about one contact
+constexpr double longest_dropout = 300e-6;   ///< [s], as the conditioning step has it
+constexpr double on_course = 5.0;            ///< standard deviations
+constexpr double beyond_scatter = 1.5;       ///< of a lasting change; a linear fall has 1.7
+constexpr std::size_t least_return = 16;     ///< samples
+constexpr std::size_t fewest_samples = 8;    ///< that say what a course is
+constexpr std::size_t fewest_of_slow = 256;  ///< means of samples, of a slow contact's record
 
 double as_double(std::size_t n) {
   return static_cast<double>(n);
@@ -85,14 +86,15 @@ class JumpSearch {
     return contacts;
   }
 
+  std::vector<Contact> at_bends() const;
+
  private:
   std::vector<Contact> above(double threshold) const;
-  std::vector<Contact> at_bends() const;
   std::optional<Contact> filling() const;
   std::optional<Contact> at(const Bend& bend, std::size_t floor) const;
   std::optional<std::size_t> returns(const Bend& bend, std::size_t floor) const;
   QuietFit course_before(std::size_t end, std::size_t floor) const;
-  QuietFit lasting_after(std::size_t begin) const;
+  QuietFit lasting_after(std::size_t begin, std::size_t change) const;
   Lobe lobe_around(std::size_t above) const;
   Contact measure(const Lobe& lobe, const Change& change, std::size_t floor) const;
 
@@ -137,12 +139,12 @@ QuietFit JumpSearch::course_before(std::size_t end, std::size_t floor) const {
                    trace_.valid);
 }
 
-/// The mean of what an impact leaves behind, and how far a struck bar's vibration scatters about
-/// it.
-QuietFit JumpSearch::lasting_after(std::size_t begin) const {
+/// The mean of what an impact leaves behind that changes the signal for so many samples, and how
+/// far a struck bar's vibration scatters about it.
+QuietFit JumpSearch::lasting_after(std::size_t begin, std::size_t change) const {
   QuietFit after;
   after.begin = begin;
-  after.end = std::min(y_.size(), begin + std::max(window_, post_));
+  after.end = std::min(y_.size(), begin + std::max({window_, post_, 3 * change}));
   const auto part = y_.subspan(begin, after.size());
   after.mean = std::accumulate(part.begin(), part.end(), 0.0) / as_double(part.size());
   after.coefficients[0] = after.mean;
@@ -210,7 +212,7 @@ std::optional<Contact> JumpSearch::at(const Bend& bend, std::size_t floor) const
   lobe.begin = begin;
   const std::size_t to = std::min(y_.size(), lobe.end + window_);
   if (lobe.end <= lobe.begin || to < lobe.end + fewest_samples) return std::nullopt;
-  Change change{y_, course_before(begin, floor), lasting_after(bend.index)};
+  Change change{y_, course_before(begin, floor), lasting_after(bend.index, lobe.end - lobe.begin)};
   const double lasting = change.after.mean - change.before.mean;
   if (std::abs(lasting) <= beyond_scatter * change.after.sigma) return std::nullopt;
   change.between(lobe, fit_quiet(y_, lobe.end, to, 1, grain_, trace_.valid));
@@ -218,7 +220,7 @@ std::optional<Contact> JumpSearch::at(const Bend& bend, std::size_t floor) const
     const double ratio = change.size / lasting;
     return ratio > 0.5 && ratio < 2.5;
   };
-  if (!agrees()) change.between(lobe, lasting_after(lobe.end));
+  if (!agrees()) change.between(lobe, lasting_after(lobe.end, 0));
   if (!agrees()) return std::nullopt;
   return measure(lobe, change, floor);
 }
@@ -292,11 +294,64 @@ std::vector<Contact> JumpSearch::above(double threshold) const {
   return contacts;
 }
 
+/// As if time ran so many times as fast: means of that many samples, as far apart as these were.
+Trace sped_up(const Trace& trace, std::size_t times) {
+  Trace fast;
+  fast.quantity = trace.quantity;
+  fast.start = trace.start;
+  fast.interval = trace.interval;
+  const std::size_t n = trace.values.size() / times;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto block = std::span(trace.values).subspan(i * times, times);
+    fast.values.push_back(std::accumulate(block.begin(), block.end(), 0.0) / as_double(times));
+    if (trace.valid.empty()) continue;
+    const auto marks = trace.marks(i * times, (i + 1) * times);
+    fast.valid.push_back(std::ranges::find(marks, 0) == marks.end() ? 1 : 0);
+  }
+  return fast;
+}
+
+/// A contact found in that, as the trace has it.
+Contact slowed_down(Contact contact, std::size_t times) {
+  const double k = as_double(times), middle = 0.5 * (k - 1.0);
+  contact.onset = k * contact.onset + middle;
+  contact.end = k * contact.end + middle;
+  contact.peak_index = times * contact.peak_index + times / 2;
+  contact.width *= k;
+  contact.impulse *= k;
+  return contact;
+}
+
+/// What is let go begins to move as sharply as a soft stop slows it down. What meets a stop moves,
+/// and loses all of it or more, less than twice as much.
+bool is_slowed_down(const Contact& contact) {
+  constexpr double least = 0.3;  // of the change
+  return contact.baseline * contact.peak < 0.0 &&
+         std::abs(contact.baseline) > least * std::abs(contact.peak);
+}
+
+/// What changes the signal for longer than any hard contact: a soft stop takes tens of
+/// milliseconds, and what is a bend within a tenth of a second is as sharp as one within a
+/// thousandth.
+std::vector<Contact> find_slow_jumps(const Trace& trace, const DetectionOptions& options) {
+  for (const std::size_t times : {4UL, 16UL}) {
+    if (trace.values.size() / times < fewest_of_slow) break;
+    const Trace fast = sped_up(trace, times);
+    std::vector<Contact> found;
+    for (const Contact& contact : JumpSearch(fast, options).at_bends())
+      if (is_slowed_down(contact)) found.push_back(slowed_down(contact, times));
+    if (!found.empty()) return found;
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<Contact> find_jumps(const Trace& trace, const DetectionOptions& options) {
   if (trace.values.size() < 32) return {};
-  return JumpSearch(trace, options).run();
+  std::vector<Contact> contacts = JumpSearch(trace, options).run();
+  if (contacts.empty() && options.threshold == 0.0) contacts = find_slow_jumps(trace, options);
+  return contacts;
 }
 
 }  // namespace impactrig::acquisition

@@ -119,6 +119,42 @@ TEST(FindImpacts, KeepsTheTouchOfABarThatVibratesSinceItWasLetGo) {
     }
 }
 
+/// Of a bar that meets a soft stop at 0.5 m/s, which throws it back at half of that.
+double slowed_down(double t, double duration) {
+  const double part = std::clamp(t / duration, 0.0, 1.0);
+  return 0.5 - 0.75 * 0.5 * (1.0 - std::cos(pi * part));
+}
+
+// A velocity alone was only looked through for what changes it within 5 ms.
+TEST(FindImpacts, FindsASlowChangeOfAVelocityAlone) {
+  const Sampling at{-50e-3, 20e-6, 10000};
+  for (const double duration : {1e-3, 5e-3, 8e-3, 16e-3, 40e-3})
+    for (const double noise : {0.0005, 0.005}) {
+      SCOPED_TRACE(testing::Message() << duration << " " << noise);
+      std::vector<double> values = sampled(at, [&](double t) { return slowed_down(t, duration); });
+      add_noise(values, noise, 3);
+      const auto impacts = find_impacts(record_of({velocity_of(at, std::move(values))}));
+      ASSERT_EQ(impacts.size(), 1U);
+      EXPECT_NEAR(impacts[0].start, 0.0, 0.12 * duration);
+      EXPECT_NEAR(impacts[0].end, duration, 0.12 * duration);
+      EXPECT_NEAR(impacts[0].peak, -0.75, 0.02);
+      EXPECT_NEAR(impacts[0].approach_velocity, 0.5, 0.01);
+    }
+}
+
+// A bar that is let go sets off as sharply, from rest.
+TEST(FindImpacts, FindsNothingInABarThatIsLetGoSlowly) {
+  const Sampling at{-50e-3, 20e-6, 20000};
+  for (const double frequency : {0.5, 0.8, 1.2})
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      std::vector<double> values = sampled(
+          at, [&](double t) { return t > 0.0 ? 0.5 * std::sin(2.0 * pi * frequency * t) : 0.0; });
+      add_noise(values, 0.01, seed);
+      EXPECT_TRUE(find_impacts(record_of({velocity_of(at, std::move(values))})).empty())
+          << frequency << " " << seed;
+    }
+}
+
 // What rises before touch may be hum, level for a while before that: no foot where it had risen and
 // fallen by as much already.
 TEST(FindImpacts, TakesNoSmallHumForTheFootOfASlowContact) {
