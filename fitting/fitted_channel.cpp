@@ -31,7 +31,7 @@ FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal
   double largest = 0.0;
   for (const double value : signal.values)
     largest = std::max(largest, std::isfinite(value) ? std::abs(value) : 0.0);
-  if (sigma > 1e-9 * largest) {
+  if (sigma > rounding_part * largest) {
     const double quiet_end =
         impact.start - std::max(5.0 * signal.interval, margin_part * (impact.end - impact.start));
     channel.noise = quiet_noise(signal, channel.sound, channel.every, quiet_end, mains_frequency,

@@ -8,6 +8,10 @@
 
 namespace impactrig::fitting {
 
+/// Of the largest value, what a standard deviation may come to by the rounding of single precision,
+/// and be no noise: a digitiser of 24 bits has more.
+inline constexpr double rounding_part = 1e-6;
+
 /// Stationary noise of a sampled channel, as an autoregression:
 ///
 ///   x_k = a_1 x_{k−1} + … + a_p x_{k−p} + ε_k,   ε independent, normal

@@ -11,12 +11,12 @@
 #include "fitting/diagnostics/discrepancy.hpp"
 #include "fitting/diagnostics/residual_tests.hpp"
 #include "fitting/diagnostics/structure.hpp"
+#include "fitting/noise_model.hpp"
 
 namespace impactrig::fitting {
 namespace {
 
 constexpr double coarse_step = 1.5;  // of the noise's standard deviation
-constexpr double unseen = 1e-9;      // of the largest value: no noise but rounding
 constexpr const char* phase_names[] = {"before touch", "compression", "restitution",
                                        "free vibration", "later contacts"};
 
@@ -150,7 +150,7 @@ ChannelDiagnostics diagnose(const ChannelResiduals& channel, double level) {
   out.coarse = channel.quantum > coarse_step * noise.deviation;
   double largest = 0.0;
   for (const double value : channel.model) largest = std::max(largest, std::abs(value));
-  const bool seen = noise.deviation > unseen * largest;
+  const bool seen = noise.deviation > rounding_part * largest;
   out.judged = out.noise_samples >= fewest_quiet_samples && (seen || out.coarse);
   if (out.judged && out.coarse) judge_coarse(channel, out);
   if (out.judged && !out.coarse) judge_all(channel, noise, quiet, out);

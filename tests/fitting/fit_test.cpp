@@ -398,6 +398,24 @@ TEST(Fit, ARecordWithoutNoiseTakesItsIntervalsFromTheResiduals) {
   EXPECT_NEAR(parameter(result, "contact.restitution").value, 0.5, 1e-4);
 }
 
+// What single precision leaves of a record without noise was taken for its noise: e came out as
+// 0.83.
+TEST(Fit, TheRoundingOfARecordWithoutNoiseIsNoNoise) {
+  const RigFile rig = hybrid_rig();
+  datasets::Impact shot =
+      synthetic_shot(rig, {.force_noise = 0.0, .velocity_noise = 0.0, .duration = 1.6e-3});
+  for (auto* signal : {&*shot.force, &*shot.velocity}) {
+    for (double& value : signal->values) value = static_cast<double>(static_cast<float>(value));
+    const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
+    signal->noise = 1e-7 * std::abs(*std::ranges::max_element(signal->values, size));
+  }
+  const Fit result = fit({shot}, rig);
+  for (const char* channel : {"force", "velocity"})
+    EXPECT_THAT(result.warnings, testing::Contains(testing::StartsWith(
+                                     std::string(channel) + " shows no noise before the trigger")));
+  EXPECT_NEAR(parameter(result, "contact.restitution").value, 0.5, 1e-4);
+}
+
 TEST(Fit, RefusesWhatItCannotDo) {
   const RigFile rig = hybrid_rig();
   const auto message = [&](const std::vector<datasets::Impact>& impacts,
