@@ -23,6 +23,11 @@ namespace impactrig::app {
 namespace {
 
 constexpr int finer_than_recording = 20;
+// What the sensors' chains answer is linear between the samples of the motion: of a contact that a
+// slow recorder shows in few samples, too, no more of them may be apart [s], unless the recording
+// is long.
+constexpr double fine = 0.1e-6;
+constexpr double most_samples = 4e6;
 
 struct Options {
   std::string source;
@@ -40,12 +45,16 @@ struct Options {
   CommonOptions common;
 };
 
+double interval_of_motion(const Options& options) {
+  return std::min(1.0 / (finer_than_recording * options.sample_rate),
+                  std::max(fine, options.duration / most_samples));
+}
+
 acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options& options,
                                       models::Simulation& simulation) {
   models::SimulationOptions request;
   const double margin = 50e-6;  // delays and trigger jitter look this far beyond
-  request.history = {.interval = 1.0 / (finer_than_recording * options.sample_rate),
-                     .lead = options.pre_trigger + margin};
+  request.history = {.interval = interval_of_motion(options), .lead = options.pre_trigger + margin};
   if (rig.velocity) request.history.velocity_position = rig.velocity->position;
   if (rig.displacement) request.history.displacement_position = rig.displacement->position;
   models::Solver solver = rig.solver;
