@@ -42,6 +42,7 @@ ChannelResiduals residuals_of(const ChannelFit& channel) {
   ChannelResiduals out;
   out.quantity = channel.quantity;
   out.unit = channel.unit;
+  out.noise_known = channel.noise > 0.0;
   const auto is_used = [](std::uint8_t used) { return used != 0; };
   const auto first = std::ranges::find_if(channel.used, is_used);
   if (first == channel.used.end() || channel.time.size() < 2) return out;

@@ -36,7 +36,7 @@ FittedChannel weigh(const datasets::Impact& impact, const datasets::ImpactSignal
         impact.start - std::max(5.0 * signal.interval, margin_part * (impact.end - impact.start));
     channel.noise = quiet_noise(signal, channel.sound, channel.every, quiet_end, mains_frequency,
                                 sigma, least_noise(signal));
-    return channel;
+    if (channel.noise.unforetold() > rounding_unforetold * largest) return channel;
   }
   sigma = unseen_noise * (largest > 0.0 ? largest : 1.0);
   channel.noise = NoiseModel(sigma, 1.0);

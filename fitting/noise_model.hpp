@@ -9,8 +9,9 @@
 namespace impactrig::fitting {
 
 /// Of the largest value, what a standard deviation may come to by the rounding of single precision,
-/// and be no noise: a digitiser of 24 bits has more.
-inline constexpr double rounding_part = 1e-6;
+/// and be no noise: a digitiser of 24 bits has more. What samples before do not foretell of one may
+/// be as little as the second where noise is filtered, or a course is smooth.
+inline constexpr double rounding_part = 1e-6, rounding_unforetold = 1e-7;
 
 /// Stationary noise of a sampled channel, as an autoregression:
 ///
@@ -51,6 +52,9 @@ class NoiseModel {
   double freedom() const { return freedom_; }
 
   double sigma() const { return sigma_; }  ///< of a sample [SI]
+
+  /// Of what the samples before do not foretell of one [SI].
+  double unforetold() const { return deviations_.empty() ? sigma_ : deviations_.back(); }
 
   int order() const { return static_cast<int>(predictors_.size()); }
 

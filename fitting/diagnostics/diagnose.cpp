@@ -150,7 +150,7 @@ ChannelDiagnostics diagnose(const ChannelResiduals& channel, double level) {
   out.coarse = channel.quantum > coarse_step * noise.deviation;
   double largest = 0.0;
   for (const double value : channel.model) largest = std::max(largest, std::abs(value));
-  const bool seen = noise.deviation > rounding_part * largest;
+  const bool seen = channel.noise_known && noise.deviation > rounding_part * largest;
   out.judged = out.noise_samples >= fewest_quiet_samples && (seen || out.coarse);
   if (out.judged && out.coarse) judge_coarse(channel, out);
   if (out.judged && !out.coarse) judge_all(channel, noise, quiet, out);

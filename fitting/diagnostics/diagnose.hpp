@@ -28,6 +28,7 @@ struct ChannelResiduals {
   std::vector<double> residual;  ///< measured − model [unit] (n), not a number where not fitted
   std::vector<double> model;     ///< [unit] (n)
   double quantum = 0.0;          ///< the digitiser's step [unit], 0 when not seen
+  bool noise_known = true;       ///< it was seen before touch
   ImpactPhases phases;
 };
 

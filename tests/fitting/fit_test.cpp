@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fitting/fit.hpp"
+#include "fitting/fit_diagnostics.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -414,6 +415,23 @@ TEST(Fit, TheRoundingOfARecordWithoutNoiseIsNoNoise) {
     EXPECT_THAT(result.warnings, testing::Contains(testing::StartsWith(
                                      std::string(channel) + " shows no noise before the trigger")));
   EXPECT_NEAR(parameter(result, "contact.restitution").value, 0.5, 1e-4);
+}
+
+// Nor is a smooth course that no line follows, as gravity's in tens of milliseconds.
+TEST(Fit, ASmoothCourseBeforeTouchIsNoNoise) {
+  const RigFile rig = hybrid_rig();
+  datasets::Impact shot =
+      synthetic_shot(rig, {.force_noise = 0.0, .velocity_noise = 0.0, .duration = 1.6e-3});
+  for (std::size_t k = 0; k < shot.velocity->values.size(); ++k) {
+    const double t = shot.velocity->time(k);
+    shot.velocity->values[k] += 10.0 * t * t;
+  }
+  shot.velocity->noise = 5e-6;  // about a line
+  const Fit result = fit({shot}, rig);
+  EXPECT_THAT(result.warnings, testing::Contains(testing::StartsWith("velocity shows no noise")));
+  EXPECT_NEAR(parameter(result, "contact.restitution").value, 0.5, 1e-3);
+  for (const ChannelFit& channel : result.channels)
+    EXPECT_THAT(diagnostics_of(result, channel).sentence, testing::HasSubstr("were not judged"));
 }
 
 TEST(Fit, RefusesWhatItCannotDo) {
