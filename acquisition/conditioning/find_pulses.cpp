@@ -64,6 +64,9 @@ class PulseSearch {
                                  const Trigger& trigger) const;
   bool swings(double level, double least, std::size_t begin, std::size_t end) const;
   std::size_t first_contact(const Trigger& trigger) const;
+  std::optional<Contact> measure_from_plateau(const Contact& contact, std::size_t crossing,
+                                              std::size_t floor, const Pulse& pulse,
+                                              const Trigger& trigger) const;
   double height_by_blocks(double level, std::size_t begin, std::size_t end) const;
   std::size_t next_impact(const Contact& contact, const Trigger& trigger, std::size_t& floor) const;
 
@@ -313,7 +316,29 @@ std::optional<Contact> PulseSearch::measure(std::size_t crossing, std::size_t fl
             measure_from(nearer, touch->top, floor, trigger, as_double(touch->index)))
       return third;
   }
+  if (const auto last = measure_from_plateau(*contact, crossing, floor, pulse, trigger))
+    return last;
   return contact;
+}
+
+/// A contact that begins many times its length before it rises does so on a crest of hum, which a
+/// window of many samples takes for a foot: by the level just before it rises, where that is level
+/// and hardly above the one before.
+std::optional<Contact> PulseSearch::measure_from_plateau(const Contact& contact,
+                                                         std::size_t crossing, std::size_t floor,
+                                                         const Pulse& pulse,
+                                                         const Trigger& trigger) const {
+  constexpr std::size_t many = 2, fewest = 16, guard = 3;
+  constexpr double hardly = 0.01;  // of the height
+  const double before = as_double(crossing) - contact.onset;
+  const std::size_t window = std::max(fewest, 2 * pulse.length);
+  if (before < as_double(many * pulse.length + window)) return std::nullopt;
+  const auto level = BaselineSearch(trace_, grain_, window).before(crossing - guard, floor, pulse);
+  if (!level || !level->steady) return std::nullopt;
+  const auto found = measure_from(*level, crossing, floor, trigger);
+  if (!found || found->onset <= contact.onset) return std::nullopt;
+  const bool is_low = std::abs(found->baseline - contact.baseline) < hardly * pulse.height;
+  return is_low ? found : std::nullopt;
 }
 
 std::optional<Contact> PulseSearch::measure_from(const Baseline& baseline, std::size_t crossing,

@@ -155,6 +155,24 @@ TEST(FindImpacts, FindsNothingInABarThatIsLetGoSlowly) {
     }
 }
 
+// 200 samples before touch of a slow recorder are longer than hum takes to rise: its crest, of 4 ms,
+// is no foot of a contact of six samples. Touch is known to the 16 samples that tell the level.
+TEST(FindImpacts, TakesNoCrestOfHumForTheFootOfAShortContact) {
+  constexpr double duration = 0.4e-3;
+  const Sampling at{-20e-3, 62.5e-6, 640};
+  for (int phase = 0; phase < 16; ++phase) {
+    SCOPED_TRACE(phase);
+    std::vector<double> values = sampled(at, [&](double t) {
+      return half_sine(t, height, duration) +
+             0.0015 * height * std::sin(2.0 * pi * (50.0 * t + phase / 16.0));
+    });
+    add_noise(values, 0.0004 * height, 11);
+    const auto impacts = find_impacts(record_of({force_of(at, std::move(values))}));
+    ASSERT_EQ(impacts.size(), 1U);
+    EXPECT_NEAR(impacts[0].start, 0.0, 16.5 * at.interval);
+  }
+}
+
 // What rises before touch may be hum, level for a while before that: no foot where it had risen and
 // fallen by as much already.
 TEST(FindImpacts, TakesNoSmallHumForTheFootOfASlowContact) {
