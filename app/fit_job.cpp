@@ -51,9 +51,9 @@ datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job
   if (impacts.empty())
     throw datasets::InputError({.file = file},
                                "there is no impact in this recording: nothing rises clearly above "
-                               "the noise. Check that the right channel is named in "
-                               "sensors.force.channel and that the trigger fired; `impactrig "
-                               "inspect` shows what is in the file");
+                               "the noise. Check that the right channels are named in the rig "
+                               "file's [sensors] and that the trigger fired; `impactrig inspect` "
+                               "shows what is in the file");
   if (impacts.size() < static_cast<std::size_t>(job.impact))
     throw datasets::InputError(
         {.file = file}, fmt::format("holds {} impact{}, so there is no number {}", impacts.size(),
@@ -81,8 +81,13 @@ datasets::Impact chosen_impact(const datasets::Record& record, const FitJob& job
                     "laser looks from the other side, state sensors.{}.polarity = -1",
                     impact.approach_velocity, impact.rebound ? "displacement" : "velocity"));
   if (impacts.size() > 1)
-    warnings.push_back(fmt::format("{} holds {} impacts; number {}, at {:.6g} s, was fitted.", file,
-                                   impacts.size(), job.impact, impact.start));
+    warnings.push_back(fmt::format(
+        "{} holds {} impacts; number {}, at {:.6g} s, was fitted.{}", file, impacts.size(),
+        job.impact, impact.start,
+        job.impact > 1
+            ? " The model begins with a bar that swings without vibrating: what the impact before "
+              "left of that is not in it."
+            : ""));
   impact.recording = std::filesystem::path(file).filename().string();
   return impact;
 }
@@ -356,7 +361,8 @@ void add_fit_job(CLI::App& command, FitJob& job) {
   command.add_option("--fix", job.fix, "Parameters not to fit, comma between (sensors.force.gain)");
   command.add_option("--prior", job.priors,
                      "NAME=VALUE +- UNCERTAINTY, for example of a calibration");
-  command.add_option("--bounds", job.bounds, "NAME=LOW:HIGH");
+  command.add_option("--bounds", job.bounds,
+                     "NAME=LOW:HIGH, with units: start.velocity=0.43 m/s:0.45 m/s");
   command.add_option("--tie", job.ties, "NAME=FACTOR*OTHER: the one goes with the other");
   command.add_option("--shared", job.shared, "Parameters that all recordings share, comma between");
   command.add_option("--own", job.own, "Parameters of which each recording has its own");

@@ -329,14 +329,17 @@ std::string multiple(double factor) {
 }
 
 std::string sentence(const Contradiction& c) {
+  const double usually = std::abs(c.away) / c.usual;
+  const std::string far =
+      usually < contradicted ? std::string()
+                             : fmt::format(", {} times as far as right calibrations usually let it",
+                                           multiple(usually));
   return fmt::format(
-      "{} ended {:.3g} standard uncertainties {} what is stated of it, {:g} +- {:g}{}, {} "
-      "times as far as right calibrations usually let it: a wrong calibration (perhaps of "
-      "another sensor), range or unit, or a model that needs it. Other parameters lean on it; "
-      "check the sensors before any number is used.",
+      "{} ended {:.3g} standard uncertainties {} what is stated of it, {:g} +- {:g}{}{}: a wrong "
+      "calibration (perhaps of another sensor), range or unit, or a model that needs it. Other "
+      "parameters lean on it; check the sensors before any number is used.",
       c.of->name, std::abs(c.away) / c.uncertainty(), c.away > 0.0 ? "above" : "below",
-      (*c.of->prior)[0], c.uncertainty(), c.of->unit == "1" ? "" : " " + c.of->unit,
-      multiple(std::abs(c.away) / c.usual));
+      (*c.of->prior)[0], c.uncertainty(), c.of->unit == "1" ? "" : " " + c.of->unit, far);
 }
 
 /// Of two delays of one recording, of which one ended later than stated and the other earlier: what
