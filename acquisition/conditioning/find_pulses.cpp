@@ -271,7 +271,7 @@ bool PulseSearch::wanders_like_foot(const Contact& far, const Contact& near, con
   const std::size_t end = std::min(static_cast<std::size_t>(far.onset), level.end);
   const std::size_t size = std::max(length, static_cast<std::size_t>(foot));
   const std::size_t begin = std::max(floor, end > size ? end - size : 0);
-  if (as_double(end - begin) < foot || end - begin < fewest * blocks) return false;
+  if (end < begin + fewest * blocks || as_double(end - begin) < foot) return false;
   const auto before = y_.subspan(begin, end - begin);
   const auto marks = trace_.marks(begin, end);
   const double noise =

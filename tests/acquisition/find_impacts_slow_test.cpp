@@ -155,8 +155,8 @@ TEST(FindImpacts, FindsNothingInABarThatIsLetGoSlowly) {
     }
 }
 
-// 200 samples before touch of a slow recorder are longer than hum takes to rise: its crest, of 4 ms,
-// is no foot of a contact of six samples. Touch is known to the 16 samples that tell the level.
+// 200 samples before touch of a slow recorder are longer than hum takes to rise: its crest, of 4
+// ms, is no foot of a contact of six samples. Touch is known to the 16 samples that tell the level.
 TEST(FindImpacts, TakesNoCrestOfHumForTheFootOfAShortContact) {
   constexpr double duration = 0.4e-3;
   const Sampling at{-20e-3, 62.5e-6, 640};
