@@ -179,9 +179,9 @@ double step_noise(std::span<const double> values, std::span<const std::uint8_t> 
   return normal_mad * median(std::move(steps)) / std::sqrt(6.0);
 }
 
-double range_of_means(std::span<const double> values, std::span<const std::uint8_t> valid,
-                      std::size_t blocks) {
-  double least = INFINITY, most = -INFINITY;
+std::vector<double> block_means(std::span<const double> values, std::span<const std::uint8_t> valid,
+                                std::size_t blocks) {
+  std::vector<double> means;
   for (std::size_t b = 0; b < blocks; ++b) {
     const std::size_t from = values.size() * b / blocks;
     const std::size_t to = values.size() * (b + 1) / blocks;
@@ -192,10 +192,17 @@ double range_of_means(std::span<const double> values, std::span<const std::uint8
       sound += 1.0;
     }
     if (sound == 0.0 || 4.0 * sound < as_double(to - from)) continue;
-    least = std::min(least, sum / sound);
-    most = std::max(most, sum / sound);
+    means.push_back(sum / sound);
   }
-  return std::max(0.0, most - least);
+  return means;
+}
+
+double range_of_means(std::span<const double> values, std::span<const std::uint8_t> valid,
+                      std::size_t blocks) {
+  const std::vector<double> means = block_means(values, valid, blocks);
+  if (means.empty()) return 0.0;
+  const auto [least, most] = std::ranges::minmax(means);
+  return most - least;
 }
 
 double noise_gate(std::size_t n) {

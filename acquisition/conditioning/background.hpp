@@ -33,8 +33,12 @@ Spread robust_spread(std::span<const double> values, std::span<const std::uint8_
 /// blind to anything slow.
 double step_noise(std::span<const double> values, std::span<const std::uint8_t> valid = {});
 
-/// From the least to the largest mean of this many blocks: what a signal does that is slow beside
-/// them. Blocks of which less than a quarter counts are left out.
+/// The means of this many blocks: what a signal does that is slow beside them. Blocks of which less
+/// than a quarter counts are left out.
+std::vector<double> block_means(std::span<const double> values, std::span<const std::uint8_t> valid,
+                                std::size_t blocks);
+
+/// From the least to the largest of them; 0 where there is none.
 double range_of_means(std::span<const double> values, std::span<const std::uint8_t> valid,
                       std::size_t blocks);
 

@@ -27,8 +27,8 @@ struct SensorSet {
 /// A sensor that names no channel takes the only channel of its quantity, else the only one in the
 /// unit its sensitivity is for. A set without any sensor takes every force, velocity, displacement
 /// and acceleration the record has. Each channel carries the sensor's calibration and delay, and
-/// the sensor's range as attribute "sensor.range" [SI], a force's low cut of first order as
-/// "sensor.low_cut" [Hz].
+/// the sensor's range as attribute "sensor.range" [SI], its low cut, where that is of first
+/// order, as "sensor.low_cut" [Hz].
 ///
 /// Samples that are not finite must be marked invalid. Throws datasets::InputError (with the
 /// recording as place) when a named channel is absent, a unit is not that of the sensor's quantity

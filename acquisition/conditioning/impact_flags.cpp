@@ -2,7 +2,6 @@
 #include "acquisition/conditioning/impact_flags.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -175,17 +174,12 @@ double rounding_error(double sigma, double quantum) {
 /// What a force does about a level for longer than an eighth of the stretch: ringing, hum and
 /// drift, by the means of eight blocks.
 double slow_scatter(std::span<const double> stretch) {
-  constexpr std::size_t blocks = 8;
-  std::array<double, blocks> means;
-  const std::size_t n = stretch.size();
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const auto block = stretch.subspan(n * b / blocks, n * (b + 1) / blocks - n * b / blocks);
-    means[b] = std::accumulate(block.begin(), block.end(), 0.0) / as_double(block.size());
-  }
-  const double mean = std::accumulate(means.begin(), means.end(), 0.0) / as_double(blocks);
+  const std::vector<double> means = block_means(stretch, {}, 8);
+  const double n = as_double(means.size());
+  const double mean = std::accumulate(means.begin(), means.end(), 0.0) / n;
   double square = 0.0;
   for (const double of_block : means) square += std::pow(of_block - mean, 2);
-  return std::sqrt(square / as_double(blocks));
+  return std::sqrt(square / n);
 }
 
 /// Of a level after an impact against the one before, by noise [N].
