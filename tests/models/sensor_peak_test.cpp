@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "models/stop/stop_head.hpp"
 #include "tests/models/hard_scene.hpp"
 #include "tests/models/plain_bars.hpp"
 #include "tests/models/scenes.hpp"
@@ -130,6 +132,32 @@ TEST(SensorPeak, OfLaterContactsIsNoted) {
   EXPECT_NEAR(run.sensor->peak_force, std::max(first, later), 1e-4 * first);
   EXPECT_NEAR(run.sensor->later_peak_force, later, 1e-4 * later);
   EXPECT_GT(later, 0.5 * first);
+}
+
+// Driven at its own frequency by 1 N, the spring carries that many newtons at last.
+TEST(StopHead, MagnifiesByResonance) {
+  const double omega = std::sqrt(2e8 / 0.05);
+  const auto driven = [&](double ratio, double turns) {
+    const StopHead head(
+        Stop{.mass = 0.05, .stiffness = 2e8, .viscous = 2.0 * ratio * 0.05 * omega});
+    const Collocation& rule = Collocation::of(8);
+    const double h = 1.0 / omega;
+    const HeadStep step(head, rule, h);
+    StopHead::State state;
+    double most = 0.0;
+    const int steps = static_cast<int>(turns * 2.0 * std::numbers::pi);
+    for (int k = 0; k < steps; ++k) {
+      NodeVector force(8);
+      for (int i = 0; i < 8; ++i) force[i] = std::cos(omega * h * (k + rule.points()[i]));
+      state = step.advanced(state, force);
+      most = std::max(most, std::hypot(2e8 * state.displacement, 2e8 / omega * state.velocity));
+    }
+    return most / head.magnification(steps * h);
+  };
+  EXPECT_NEAR(driven(0.0, 200.0), 1.0, 0.01);
+  EXPECT_NEAR(driven(0.01, 400.0), 1.0, 0.05);  // of both, the reciprocals add up
+  EXPECT_GT(driven(0.01, 16.0), 1.0);           // as much as ½ωt alone is not reached
+  EXPECT_LT(driven(0.01, 16.0), 2.0);
 }
 
 /// A thin wire that comes back in half a turn, against an undamped head that rings 150 times in a
