@@ -167,9 +167,11 @@ ActiveSet::Bound ActiveSet::to_hold(const LinearCost& cost, double least) const 
 
 }  // namespace
 
-double FitProblem::linear_end() const {
+double FitProblem::linear_end(const std::vector<std::size_t>& held) const {
   const LinearCost cost = linear_cost(*this);
-  const GaussNewtonStep step = gauss_newton_step(cost, [](Eigen::Index) { return true; });
+  const ActiveSet active(*this, held);
+  const GaussNewtonStep step =
+      gauss_newton_step(cost, [&](Eigen::Index k) { return active.free(k); });
   return std::isfinite(step.gain) ? std::max(0.0, cost.value - step.gain) : 0.0;
 }
 

@@ -90,8 +90,8 @@ class FitProblem {
   SearchEnd search(const Search& how, const std::vector<std::size_t>& held = {});
 
   /// The cost that a search from the present values would end with if all were linear and nothing
-  /// bounded, by one linearisation.
-  double linear_end() const;
+  /// bounded, by one linearisation; `held` variables stay.
+  double linear_end(const std::vector<std::size_t>& held = {}) const;
 
   /// Weighted differences of the data and of the priors, and their derivatives by the unknowns in
   /// their own units (n_data + n_priors, n_unknowns), at the present values.

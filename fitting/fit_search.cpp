@@ -8,6 +8,7 @@
 #include "fitting/all_cores.hpp"
 #include "fitting/fit_end.hpp"
 #include "fitting/motion_choice.hpp"
+#include "fitting/touch_scan.hpp"
 
 namespace impactrig::fitting {
 namespace {
@@ -113,8 +114,15 @@ void FitSearch::search_whole_window() {
 /// chi-square.
 double FitSearch::search_first_window() {
   double reached = pass(first_search, first_window);
+  if (reached > poor_fit && leaves_touch_open(problem_))
+    reached = try_again(reached, [&] { return search_with_touch_scanned(); });
   if (reached > poor_fit) reached = try_again(reached, [&] { return grow_first_window(); });
   return reached > poor_fit && several_starts() ? search_from_elsewhere(reached) : reached;
+}
+
+double FitSearch::search_with_touch_scanned() {
+  iterations_ += scan_touch(problem_);
+  return pass(first_search, first_window);
 }
 
 /// A force that rises and falls several times before the first separation has false minima where

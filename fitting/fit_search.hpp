@@ -55,6 +55,7 @@ class FitSearch {
   double pass(const Search& how, double contacts);
   void search_whole_window();
   double search_first_window();
+  double search_with_touch_scanned();
   double grow_first_window();
   void search_first_window_finely(const std::vector<double>& tried);
   double search_from_elsewhere(double reduced);

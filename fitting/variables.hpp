@@ -71,6 +71,11 @@ struct Variable {
   /// Of the impact or of a sensor, not of a record's timing and background.
   bool of_interest() const { return role != Role::touch && role != Role::background; }
 
+  /// A gain, a delay, or another number of a sensor's chain.
+  bool is_of_sensor() const {
+    return role == Role::gain || role == Role::delay || role == Role::chain;
+  }
+
   bool concerns(int shot) const { return recording < 0 || recording == shot; }
 };
 

@@ -121,6 +121,21 @@ TEST(Search, FindsTheImpactInNoiseThatHangsTogether) {
   }
 }
 
+// Six to nine samples in a contact, and a sensor that rings at 45 kHz: a touch that is a period
+// off, its delay and gain with it, is a false minimum.
+TEST(Search, FindsTouchBetweenFewSamples) {
+  const RigFile rig = hybrid_rig("2.5 ms");
+  for (const double interval : {50e-6, 62.5e-6, 80e-6})
+    for (const double late : {-160e-6, -80e-6, -20e-6, 25e-6}) {
+      const tests::ShotTruth truth{
+          .restitution = 0.35, .duration = 2.6e-3, .interval = interval, .found_late = late};
+      const Fit found = fit({synthetic_shot(rig, truth)}, rig);
+      SCOPED_TRACE(testing::Message() << "interval " << interval << ", found late by " << late);
+      EXPECT_LT(found.goodness.chi2, 2.0 * static_cast<double>(found.goodness.dof));
+      EXPECT_LT(std::abs(tests::pull(found, "contact.restitution", truth.restitution)), 4.0);
+    }
+}
+
 // Two shots of different restitution fitted with one. From wherever a search begins it ends at the
 // same place, which is not to be looked for again and again; where the stiffness differs too, a
 // gain goes to its bound, beyond which there is no use in following a valley.

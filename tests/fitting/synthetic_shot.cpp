@@ -41,8 +41,7 @@ delay = { value = "2 us", uncertainty = "0.1 us" }
 
 namespace {
 
-constexpr double interval = 1e-6;  // of the recording [s]
-constexpr double lead = 1e-3;      // recorded before first touch [s]
+constexpr double lead = 1e-3;  // recorded before first touch [s]
 
 models::Simulation true_impact(const fitting::RigFile& rig, const ShotTruth& truth) {
   models::Rig true_rig = rig.rig;
@@ -78,7 +77,7 @@ class Recorder {
     signal.quantity = quantity;
     signal.channel = std::string(datasets::name(quantity));
     signal.start = true_touch - lead;
-    signal.interval = interval;
+    signal.interval = truth_.interval;
     signal.delay = sensor.delay.value;
     signal.delay_uncertainty = sensor.delay.uncertainty;
     signal.quantum = truth_.step * added.noise;
@@ -86,7 +85,7 @@ class Recorder {
     signal.noise_correlation = (1.0 + truth_.noise_memory) / (1.0 - truth_.noise_memory);
     draw_phases(added.hum > 0.0);
     last_ = truth_.noise_memory > 0.0 ? normal_(generator_) : 0.0;
-    for (double t = -lead; t < truth_.duration - 20e-6; t += interval) {
+    for (double t = -lead; t < truth_.duration - 20e-6; t += truth_.interval) {
       const double place = (t - added.late - start_) / truth_.fine;
       const auto k = static_cast<std::size_t>(place);
       const double part = place - static_cast<double>(k);
@@ -134,7 +133,7 @@ datasets::Impact synthetic_shot(const fitting::RigFile& rig, const ShotTruth& tr
   const models::Simulation simulation = true_impact(rig, truth);
   datasets::Impact impact;
   impact.recording = "synthetic";
-  impact.start = true_touch + 3e-6;  // detection is never exact
+  impact.start = true_touch + truth.found_late;
   impact.end = true_touch + simulation.episodes.front().end;
   impact.approach_velocity = 1.003 * truth.velocity;
   Recorder recorder(truth, simulation.history);

@@ -28,6 +28,8 @@ struct ShotTruth {
   double step = 0.0;          ///< of the digitiser, in parts of each channel's noise
   double duration = 3.2e-3;   ///< recorded after first touch [s]
   double fine = 1e-7;         ///< of the history that the sensors see [s]
+  double interval = 1e-6;     ///< of the recording [s]
+  double found_late = 3e-6;   ///< first touch: detection is never exact [s]
   models::Motion motion = models::Motion::by_accuracy;
   std::uint64_t seed = 1;
 };
