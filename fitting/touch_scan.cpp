@@ -7,8 +7,6 @@
 namespace impactrig::fitting {
 namespace {
 
-constexpr double whole = std::numeric_limits<double>::infinity();
-
 /// Of the force, or of the velocity where there is none [s].
 double sample_interval(const Shot& shot) {
   return (shot.impact->force ? *shot.impact->force : *shot.channels.front().signal).interval;
@@ -64,7 +62,7 @@ void move_touch(FitProblem& problem, std::size_t touch, double time) {
 /// if all were linear.
 int scan(FitProblem& problem, std::size_t touch, std::vector<std::size_t> held) {
   held.push_back(touch);
-  double best = problem.value(touch), least = whole;
+  double best = problem.value(touch), least = std::numeric_limits<double>::infinity();
   for (const double time : times(problem, problem.variables()[touch])) {
     move_touch(problem, touch, time);
     const double cost = problem.linear_end(held);
