@@ -121,8 +121,12 @@ double FitSearch::search_first_window() {
 }
 
 double FitSearch::search_with_touch_scanned() {
-  iterations_ += scan_touch(problem_);
-  return pass(first_search, first_window);
+  try {
+    iterations_ += scan_touch(problem_);
+    return pass(first_search, first_window);
+  } catch (const std::runtime_error&) {
+    return whole;  // what cannot be predicted there fits no better
+  }
 }
 
 /// A force that rises and falls several times before the first separation has false minima where

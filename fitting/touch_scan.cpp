@@ -38,12 +38,14 @@ std::vector<std::size_t> stated_sensors(const FitProblem& problem) {
 /// earlier, for it.
 std::vector<double> times(const FitProblem& problem, const Variable& touch) {
   constexpr double before = 2.0, behind = 4.0;  // intervals
-  constexpr double part = 1.0 / 16.0;           // of a contact
+  constexpr double coarse = 1.0 / 16.0;         // of a contact
+  constexpr double fine = 1.0 / 64.0;           // what rings faster, a contact hardly rings
   const Shot& shot = shot_of(problem, touch);
   const double interval = sample_interval(shot);
   const auto& sensor = problem.rig().force;
-  double step = part * shot.contact;
-  if (sensor && sensor->resonance) step = std::min(step, 0.25 / sensor->resonance->frequency);
+  double step = coarse * shot.contact;
+  if (sensor && sensor->resonance)
+    step = std::clamp(0.25 / sensor->resonance->frequency, fine * shot.contact, step);
   std::vector<double> all;
   for (double by = -before * interval; by <= behind * interval; by += step)
     all.push_back(touch.initial + by);
@@ -64,6 +66,7 @@ int scan(FitProblem& problem, std::size_t touch, std::vector<std::size_t> held) 
   held.push_back(touch);
   double best = problem.value(touch), least = std::numeric_limits<double>::infinity();
   for (const double time : times(problem, problem.variables()[touch])) {
+    if (problem.out_of_time()) break;
     move_touch(problem, touch, time);
     const double cost = problem.linear_end(held);
     if (cost >= least) continue;

@@ -247,8 +247,7 @@ Variable first_touch(const Impact& impact, int shot) {
 void share(const Wishes& wishes, std::vector<Variable>& variables) {
   std::vector<Variable> kept;
   for (Variable& v : variables) {
-    const bool calibration = v.role == Variable::Role::gain || v.role == Variable::Role::delay ||
-                             v.role == Variable::Role::chain;
+    const bool calibration = v.is_of_sensor();
     if (v.role != Variable::Role::physics && v.role != Variable::Role::touch && v.recording >= 0 &&
         wishes.shares(v.name, calibration && !wishes.names_one_of(v.name))) {
       if (std::ranges::find(kept, v.name, &Variable::name) != kept.end()) continue;

@@ -69,6 +69,7 @@ TEST(Search, KnowsWhereItWouldEndIfAllWereLinear) {
   problem.linearise(residuals, nullptr);
   EXPECT_NEAR(0.5 * residuals.squaredNorm(), end.cost + 2.0, 0.1);
   EXPECT_NEAR(problem.linear_end(), end.cost, 0.05);
+  EXPECT_NEAR(problem.linear_end({problem.unknowns()[0]}), end.cost + 2.0, 0.1);
 }
 
 // A search from near does not know how the values it begins at were found: rough or fine, it ends
