@@ -21,11 +21,11 @@ constexpr double excess_noise = 0.764;
 /// Charge of a usual force sensor a newton [pC/N]: the one of Shen et al. (2007).
 constexpr double usual_charge = 4.0;
 
-/// The recorder's range for a peak with a quarter to spare [SI]: 1, 2 or 5 times a power of ten in
-/// the recorded unit, no more than the sensor's own.
-double range_for(const Sensor& sensor, double peak) {
+/// The recorder's range for a peak in noise (four standard deviations of it) with a quarter to
+/// spare [SI]: 1, 2 or 5 times a power of ten in the recorded unit, no more than the sensor's own.
+double range_for(const Sensor& sensor, double peak, double noise) {
   const double factor = sensor.sensitivity ? std::abs(sensor.sensitivity->value) : 1.0;
-  const double wanted = 1.25 * peak * factor;
+  const double wanted = 1.25 * (peak + 4.0 * noise) * factor;
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
   double range = 10.0 * decade;
   for (const double step : {5.0, 2.0, 1.0})
@@ -75,13 +75,13 @@ struct Day {
   double gain_error;
 };
 
-SyntheticOptions recorded_on(const Day& day, const SensorSet& sensors, double peak_force,
-                             double peak_velocity) {
+SyntheticOptions recorded_on(const Day& day, const SensorSet& sensors, const ShownPeaks& peaks) {
   SyntheticOptions options;
   if (sensors.force) {
     const Sensor& sensor = *sensors.force;
-    options.force = digitised(range_for(sensor, peak_force), day.bits,
-                              newtons(sensor, day.charge_noise), day.range_part);
+    const double noise = newtons(sensor, day.charge_noise);
+    options.force =
+        digitised(range_for(sensor, peaks.force, noise), day.bits, noise, day.range_part);
     options.force.drift = newtons(sensor, day.charge_drift);
     options.force.gain_error = day.gain_error;
   }
@@ -90,8 +90,9 @@ SyntheticOptions recorded_on(const Day& day, const SensorSet& sensors, double pe
     const double half_rate = 0.5 * options.sample_rate;
     const double band =
         sensor.high_cut ? std::min(sensor.high_cut->frequency, half_rate) : half_rate;
-    options.velocity = digitised(range_for(sensor, peak_velocity), day.bits,
-                                 day.density * std::sqrt(band), day.range_part);
+    const double noise = day.density * std::sqrt(band);
+    options.velocity =
+        digitised(range_for(sensor, peaks.velocity, noise), day.bits, noise, day.range_part);
     options.velocity.low_frequency_noise = day.speckle;
     options.velocity.dropouts_per_second = day.dropouts;
     options.velocity.gain_error = day.gain_error;
@@ -99,7 +100,7 @@ SyntheticOptions recorded_on(const Day& day, const SensorSet& sensors, double pe
   if (sensors.displacement) {
     const double longest = std::max(options.pre_trigger, options.duration - options.pre_trigger);
     Disturbances& d = options.displacement;
-    d.range = counter_range(peak_velocity * longest);
+    d.range = counter_range(peaks.velocity * longest);
     d.bits = 12;
     d.noise = 0.3 * step_of(d);
     d.dropouts_per_second = day.dropouts;
@@ -110,10 +111,9 @@ SyntheticOptions recorded_on(const Day& day, const SensorSet& sensors, double pe
 
 }  // namespace
 
-SyntheticOptions good_laboratory_day(const SensorSet& sensors, double peak_force,
-                                     double peak_velocity) {
+SyntheticOptions good_laboratory_day(const SensorSet& sensors, const ShownPeaks& peaks) {
   const Day day{12, 0.01, 0.03, 1e-6, 40e-6, 0.2, 0.001, 0.005};
-  return recorded_on(day, sensors, peak_force, peak_velocity);
+  return recorded_on(day, sensors, peaks);
 }
 
 void draw_calibration_errors(const SensorSet& sensors, std::uint64_t seed,
@@ -131,9 +131,9 @@ void draw_calibration_errors(const SensorSet& sensors, std::uint64_t seed,
   draw(sensors.displacement, options.displacement);
 }
 
-SyntheticOptions bad_day(const SensorSet& sensors, double peak_force, double peak_velocity) {
-  const Day day{8, 0.1, 0.3, 5e-6, 40e-6 + 0.001 * peak_velocity, 20.0, 0.01, 0.02};
-  SyntheticOptions options = recorded_on(day, sensors, peak_force, peak_velocity);
+SyntheticOptions bad_day(const SensorSet& sensors, const ShownPeaks& peaks) {
+  const Day day{8, 0.1, 0.3, 5e-6, 40e-6 + 0.001 * peaks.velocity, 20.0, 0.01, 0.02};
+  SyntheticOptions options = recorded_on(day, sensors, peaks);
   options.trigger_jitter = 1.0;
   options.force.delay_error = 21.7e-6;  // 24 us of a 10 kHz filter instead of 2.3 us
   options.force.step = 0.01 * options.force.range;

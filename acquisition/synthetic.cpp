@@ -362,6 +362,22 @@ Record synthesise(const Trajectory& trajectory, const SensorSet& sensors,
   return record;
 }
 
+ShownPeaks shown_peaks(const Trajectory& trajectory, const SensorSet& sensors) {
+  const auto largest = [](const std::vector<double>& values) {
+    double most = 0.0;
+    for (const double value : values) most = std::max(most, std::abs(value));
+    return most;
+  };
+  ShownPeaks peaks{largest(trajectory.force), largest(trajectory.velocity)};
+  for (const Line& line : lines_of(trajectory, sensors, {})) {
+    if (line.history->size() < 4 || line.sensor->quantity == Quantity::displacement) continue;
+    const double length = trajectory.interval * static_cast<double>(line.history->size() - 1);
+    double& peak = line.sensor->quantity == Quantity::force ? peaks.force : peaks.velocity;
+    peak = largest(shown(line, trajectory, trajectory.start, trajectory.start + length).values);
+  }
+  return peaks;
+}
+
 SyntheticSource::SyntheticSource(Trajectory trajectory, SensorSet sensors, SyntheticOptions options,
                                  std::size_t shots)
     : trajectory_(std::move(trajectory)),

@@ -77,14 +77,22 @@ struct SyntheticOptions {
 datasets::Record synthesise(const Trajectory& trajectory, const SensorSet& sensors,
                             const SyntheticOptions& options);
 
+/// The largest magnitudes of a trajectory [SI] as its sensors show them, before any disturbance: a
+/// resonance may double them. Its own where there is no such sensor, 0 where there is no history.
+struct ShownPeaks {
+  double force = 0.0, velocity = 0.0;
+};
+
+ShownPeaks shown_peaks(const Trajectory& trajectory, const SensorSet& sensors);
+
 /// A good laboratory day: charge amplifier and decoder noise, drift, mains, digitiser of 12 bits
-/// (10.5 effective) with its range a step of 1-2-5 above the peak, in the recorded unit; the fixed
-/// delays are those of the sensors. Values: measurement chain of the rig of Shen et al. (2007),
-/// noise of a 4 pC/N sensor unless the sensor records pC, vibrometer with 1 um/s per root hertz.
+/// (10.5 effective) with its range a step of 1-2-5 above the peak that is shown, in the recorded
+/// unit; the fixed delays are those of the sensors. Values: measurement chain of the rig of Shen et
+/// al. (2007), noise of a 4 pC/N sensor unless the sensor records pC, vibrometer with 1 um/s per
+/// root hertz.
 ///
-/// peak_force [N] > 0, peak_velocity [m/s] > 0.
-SyntheticOptions good_laboratory_day(const SensorSet& sensors, double peak_force,
-                                     double peak_velocity);
+/// Peaks > 0 where there is such a sensor, that of the velocity where there is one of displacement.
+SyntheticOptions good_laboratory_day(const SensorSet& sensors, const ShownPeaks& peaks);
 
 /// How wrong the calibration is: gain and delay of each sensor miss by normal draws as large as the
 /// uncertainties it states, so that a seed stands for one laboratory and its shots share the
@@ -96,7 +104,7 @@ void draw_calibration_errors(const SensorSet& sensors, std::uint64_t seed,
 /// the charge noise, five times the vibrometer's, hum and a ground-loop step of 1 % of the range,
 /// dropouts (one in the contact), a filter of 10 kHz left on (as 21.7 us of unknown delay of the
 /// force), calibration off by 2 %, trigger off by up to a sample.
-SyntheticOptions bad_day(const SensorSet& sensors, double peak_force, double peak_velocity);
+SyntheticOptions bad_day(const SensorSet& sensors, const ShownPeaks& peaks);
 
 /// The synthetic rig as a source: `shots` records of the same trajectory, seeds counting up.
 class SyntheticSource : public Source {

@@ -82,13 +82,10 @@ acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options
 }
 
 acquisition::SyntheticOptions day_of(const Options& options, const acquisition::SensorSet& sensors,
-                                     const models::Simulation& simulation, std::uint64_t seed) {
-  double fastest = 0.0;
-  for (const double v : simulation.history.velocity) fastest = std::max(fastest, std::abs(v));
+                                     const acquisition::ShownPeaks& peaks, std::uint64_t seed) {
   acquisition::SyntheticOptions day;
-  if (options.day == "good")
-    day = acquisition::good_laboratory_day(sensors, simulation.peak_force, fastest);
-  if (options.day == "bad") day = acquisition::bad_day(sensors, simulation.peak_force, fastest);
+  if (options.day == "good") day = acquisition::good_laboratory_day(sensors, peaks);
+  if (options.day == "bad") day = acquisition::bad_day(sensors, peaks);
   day.sample_rate = options.sample_rate;
   day.pre_trigger = options.pre_trigger;
   day.duration = options.duration;
@@ -162,11 +159,12 @@ void acquire_synthetic(const Options& options) {
   models::Simulation simulation;
   const acquisition::Trajectory trajectory = trajectory_of(rig, options, simulation);
   const acquisition::SensorSet sensors = {rig.force, rig.velocity, rig.displacement};
+  const acquisition::ShownPeaks peaks = acquisition::shown_peaks(trajectory, sensors);
   for (int shot = 1; shot <= options.shots; ++shot) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(shot - 1);
     const std::string path = shot_path(options, shot);
     datasets::Record record =
-        acquisition::synthesise(trajectory, sensors, day_of(options, sensors, simulation, seed));
+        acquisition::synthesise(trajectory, sensors, day_of(options, sensors, peaks, seed));
     write_output(truth_path(path), truth_json(rig, simulation, record, options, seed), true);
     std::erase_if(record.attributes,
                   [](const auto& entry) { return entry.first.starts_with("truth."); });

@@ -48,22 +48,22 @@ RecordedShot record_shot(const fitting::RigFile& rig, const Recording& how) {
   solver.accuracy = how.accuracy;
   const models::Simulation truth = models::simulate(rig.rig, solver, request);
   const models::History& h = truth.history;
-  const double fastest = std::ranges::max(h.velocity, {}, [](double v) { return std::abs(v); });
+  datasets::SampledCurve force = fitting::force_curve(h);
+  const acquisition::Trajectory trajectory = {.start = h.start,
+                                              .interval = h.interval,
+                                              .force = std::move(force.values),
+                                              .velocity = h.velocity,
+                                              .displacement = h.displacement,
+                                              .force_jumps = std::move(force.jumps),
+                                              .force_spikes = std::move(force.spikes)};
+  const acquisition::SensorSet sensors = sensors_of(rig);
   RecordedShot shot;
-  shot.options = how.day(sensors_of(rig), truth.peak_force, std::abs(fastest));
+  shot.options = how.day(sensors, acquisition::shown_peaks(trajectory, sensors));
   shot.options.sample_rate = how.sample_rate;
   shot.options.pre_trigger = how.pre_trigger;
   shot.options.duration = how.duration;
   if (how.change) how.change(shot.options, truth.peak_force);
-  datasets::SampledCurve force = fitting::force_curve(h);
-  shot.record = acquisition::synthesise({.start = h.start,
-                                         .interval = h.interval,
-                                         .force = std::move(force.values),
-                                         .velocity = h.velocity,
-                                         .displacement = h.displacement,
-                                         .force_jumps = std::move(force.jumps),
-                                         .force_spikes = std::move(force.spikes)},
-                                        sensors_of(rig), shot.options);
+  shot.record = acquisition::synthesise(trajectory, sensors, shot.options);
   return shot;
 }
 

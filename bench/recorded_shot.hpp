@@ -26,9 +26,10 @@ struct Recording {
   double duration = 4e-3;       ///< in all [s]
   double sample_rate = 1e6;     ///< [Hz]
   double accuracy = 1e-9;       ///< to which the truth is solved
-  std::function<acquisition::SyntheticOptions(const acquisition::SensorSet&, double, double)> day =
-      acquisition::good_laboratory_day;
-  /// What is changed of the laboratory's day, the largest force [N] being known.
+  std::function<acquisition::SyntheticOptions(const acquisition::SensorSet&,
+                                              const acquisition::ShownPeaks&)>
+      day = acquisition::good_laboratory_day;
+  /// What is changed of the laboratory's day, the largest force of the bar [N] being known.
   std::function<void(acquisition::SyntheticOptions&, double)> change = {};
 };
 

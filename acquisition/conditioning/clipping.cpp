@@ -26,25 +26,31 @@ double as_double(std::size_t n) {
   return static_cast<double>(n);
 }
 
-/// How many equal samples on end are no chance: three without noise; with noise of more than half
-/// of a digitiser's step two are equal in step / (2 sqrt(pi) sigma) of all cases, and so many that
-/// this happens in one of 10⁴.
-std::size_t equal_by_chance(const Trace& trace, const Contact& contact, double quantum,
-                            const DetectionOptions& options) {
-  constexpr std::size_t fewest = 3;
+constexpr std::size_t fewest_equal = 3;  ///< samples on end that are a flat top without noise
+
+/// Noise before a contact; 0 where nothing is known of it.
+double noise_before(const Trace& trace, const Contact& contact, double quantum,
+                    const DetectionOptions& options) {
   const auto quiet = quiet_before(trace, contact.onset, 0, options);
-  if (!quiet || !(quantum > 0.0)) return fewest;
-  const double sigma =
-      fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum, trace.valid).sigma;
-  if (!(sigma > 0.5 * quantum)) return fewest;
+  if (!quiet) return 0.0;
+  return fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum, trace.valid).sigma;
+}
+
+/// How many equal samples on end are no chance: with noise of more than half of a digitiser's step
+/// two are equal in step / (2 sqrt(pi) sigma) of all cases, and so many that this happens in one of
+/// 10⁴.
+std::size_t equal_by_chance(double sigma, double quantum) {
+  if (!(quantum > 0.0) || !(sigma > 0.5 * quantum)) return fewest_equal;
   const double chance = quantum / (2.0 * std::sqrt(std::numbers::pi) * sigma);
-  return std::max(fewest,
+  return std::max(fewest_equal,
                   1 + static_cast<std::size_t>(std::ceil(std::log(1e-4) / std::log(chance))));
 }
 
 /// A flat top that no smooth crest makes: three or more equal extreme samples, above half of the
 /// peak, and beyond them the signal falls off faster than a parabola through digitiser steps would
-/// (a crest one step high over a run of m samples is 9 steps high over 3 m).
+/// (a crest one step high over a run of m samples is 9 steps high over 3 m). Fewer than noise makes
+/// equal by chance count where the signal falls off on both sides faster than one of fourth order
+/// would, whose noise hides how it bends (81 times as high over 3 m).
 bool flat_top(const Trace& trace, const Contact& contact, double quantum,
               const DetectionOptions& options) {
   const std::vector<double>& y = trace.values;
@@ -58,11 +64,12 @@ bool flat_top(const Trace& trace, const Contact& contact, double quantum,
   const std::size_t run = last - first + 1;
   std::size_t sound = 0;  // what bridges invalid samples is level too
   for (std::size_t i = first; i <= last; ++i) sound += trace.is_valid(i) ? 1 : 0;
-  if (sound < equal_by_chance(trace, contact, quantum, options)) return false;
-  const std::size_t left = first > run ? first - run : 0;
-  const std::size_t right = std::min(last + run, y.size() - 1);
-  const double fall = std::max(std::abs(top - y[left]), std::abs(top - y[right]));
-  return fall > 13.5 * quantum;
+  if (sound < fewest_equal) return false;
+  const double before = std::abs(top - y[first > run ? first - run : 0]);
+  const double after = std::abs(top - y[std::min(last + run, y.size() - 1)]);
+  const double sigma = noise_before(trace, contact, quantum, options);
+  if (sound >= equal_by_chance(sigma, quantum)) return std::max(before, after) > 13.5 * quantum;
+  return std::min(before, after) > 81.0 * (4.0 * sigma + quantum);
 }
 
 /// A level stretch of a signal at its extreme, in the direction of `sign`.
@@ -143,10 +150,7 @@ bool noisy_flat_top(const Trace& trace, const Contact& contact, double quantum,
 bool cut_through_noise(const Trace& trace, const Contact& contact, double quantum,
                        const DetectionOptions& options) {
   constexpr std::size_t fewest = 6, more = 4;
-  const auto quiet = quiet_before(trace, contact.onset, 0, options);
-  if (!quiet) return false;
-  const double sigma =
-      fit_quiet(trace.values, quiet->begin, quiet->end, 1, quantum, trace.valid).sigma;
+  const double sigma = noise_before(trace, contact, quantum, options);
   if (!(sigma > 0.75 * quantum)) return false;
   const double sign = contact.peak < 0.0 ? -1.0 : 1.0;
   const double same = 1e-9 * std::abs(contact.peak);
@@ -227,11 +231,7 @@ bool marked_top(const RecordedSignal& signal, const Contact& contact, std::size_
   const Trace& trace = signal.trace;
   if (trace.valid.empty()) return false;
   const AsRecorded recorded(signal, contact, first, last);
-  const auto quiet = quiet_before(trace, contact.onset, 0, options);
-  const double sigma =
-      quiet
-          ? fit_quiet(trace.values, quiet->begin, quiet->end, 1, signal.quantum, trace.valid).sigma
-          : 0.0;
+  const double sigma = noise_before(trace, contact, signal.quantum, options);
   return marks_what_is_higher(signal, recorded, sigma, first, last) ||
          flat_top(recorded.trace, recorded.contact, signal.quantum, options) ||
          noisy_flat_top(recorded.trace, recorded.contact, signal.quantum, options);

@@ -168,6 +168,38 @@ TEST(ClippedFlag, IsSilentOnEqualSamplesByChance) {
   EXPECT_LE(clipped, 1);
 }
 
+// A narrow crest beyond the range of 12 bits: few samples lie on it, as few as noise makes equal by
+// chance. 80 records.
+TEST(ClippedFlag, FiresOnFewSamplesAtTheEndOfARange) {
+  const Sampling at;
+  constexpr double step = 1.0, top = 2047.0 * step;
+  for (const double part : {0.65, 0.75})  // 5 and 4 samples
+    for (const double noise : {0.6, 0.9, 1.5, 2.0})
+      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        auto force = sampled(at, [&](double t) { return sine_squared(t, top / part, 13e-6); });
+        add_noise(force, noise * step, seed);
+        round_to(force, step);
+        for (double& value : force) value = std::min(value, top);
+        const auto impacts = find_impacts(record_of({force_of(at, force)}));
+        ASSERT_EQ(impacts.size(), 1u);
+        EXPECT_TRUE(impacts[0].has(ImpactFlag::clipped)) << part << " " << noise << " " << seed;
+      }
+}
+
+// The same within its range, where two samples at most are alike. 200 records.
+TEST(ClippedFlag, IsSilentOnNarrowCrestsInNoise) {
+  const Sampling at;
+  for (const double width : {9e-6, 13e-6, 25e-6, 60e-6})
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+      auto force = sampled(at, [&](double t) { return sine_squared(t, 2000.0, width); });
+      add_noise(force, 0.9, seed);
+      round_to(force, 1.0);
+      const auto impacts = find_impacts(record_of({force_of(at, force)}));
+      ASSERT_EQ(impacts.size(), 1u);
+      EXPECT_FALSE(impacts[0].has(ImpactFlag::clipped)) << width << " " << seed;
+    }
+}
+
 // A digitiser's limit just under the crest, noise before it: hardly two samples on end are at it.
 TEST(ClippedFlag, FiresOnACrestThatIsCutWithItsNoise) {
   const Sampling at;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "acquisition/conditioning/condition.hpp"
 #include "tests/acquisition/scene.hpp"
@@ -36,7 +38,7 @@ SensorSet paper_sensors() {
 }
 
 TEST(GoodLaboratoryDay, HasTheNumbersOfTheMeasurementChain) {
-  const SyntheticOptions day = good_laboratory_day(paper_sensors(), height, approach);
+  const SyntheticOptions day = good_laboratory_day(paper_sensors(), {height, approach});
   // 1.25 times 1500 N are 7.5 V at 4 mV/N: the 10 V range, 2500 N.
   EXPECT_DOUBLE_EQ(day.force.range, 2500.0);
   EXPECT_EQ(day.force.bits, 12);
@@ -54,13 +56,39 @@ TEST(GoodLaboratoryDay, HasTheNumbersOfTheMeasurementChain) {
 }
 
 TEST(GoodLaboratoryDay, LimitsTheRangeToTheSensors) {
-  EXPECT_EQ(good_laboratory_day(paper_sensors(), 4900.0, approach).force.range, 5000.0);
+  EXPECT_EQ(good_laboratory_day(paper_sensors(), {4900.0, approach}).force.range, 5000.0);
+}
+
+// Of a crawling bar the vibrometer shows hardly more than its noise, 0.5 mm/s.
+TEST(GoodLaboratoryDay, HasRoomForNoise) {
+  const double range = good_laboratory_day(paper_sensors(), {height, 1e-3}).velocity.range;
+  EXPECT_DOUBLE_EQ(range, 0.05 / 8.0);  // 1.25 (1 + 4 * 0.5) mm/s are 30 mV: the 50 mV range
+}
+
+// A resonance of 45 kHz doubles a step of force nearly: 1 + exp(-pi / (2 Q)) of it.
+TEST(GoodLaboratoryDay, RecordsWhatAResonanceAddsToAStep) {
+  SensorSet sensors = paper_sensors();
+  sensors.force->high_cut = {2e6, 2};
+  sensors.force->low_cut.reset();
+  Trajectory step = usual_trajectory();
+  std::ranges::fill(step.force, 0.0);
+  const auto first = static_cast<std::ptrdiff_t>(std::round(-step.start / step.interval));
+  std::fill(step.force.begin() + first, step.force.end(), height);
+  const ShownPeaks peaks = shown_peaks(step, sensors);
+  EXPECT_NEAR(peaks.force, (1.0 + std::exp(-pi / 40.0)) * height, 1e-3 * height);
+  EXPECT_NEAR(peaks.velocity, approach, 1e-3 * approach);
+  const Record record = synthesise(step, sensors, good_laboratory_day(sensors, peaks));
+  const datasets::Channel& force = record.channels[0];
+  double largest = 0.0;
+  for (std::size_t i = 0; i < force.size(); ++i) largest = std::max(largest, force.value(i));
+  EXPECT_NEAR(largest, 4e-3 * peaks.force, 0.05 * 4e-3 * peaks.force);
+  EXPECT_LT(largest, 4e-3 * good_laboratory_day(sensors, peaks).force.range * 2047.0 / 2048.0);
 }
 
 TEST(GoodLaboratoryDay, IsReadBackByConditioningAndDetection) {
   const SensorSet sensors = paper_sensors();
   const Trajectory trajectory = usual_trajectory();
-  SyntheticOptions day = good_laboratory_day(sensors, height, approach);
+  SyntheticOptions day = good_laboratory_day(sensors, {height, approach});
   for (day.seed = 1; day.seed <= 50; ++day.seed) {
     SCOPED_TRACE("seed " + std::to_string(day.seed));
     const Record record = synthesise(trajectory, sensors, day);
@@ -88,7 +116,7 @@ TEST(GoodLaboratoryDay, IsReadBackByConditioningAndDetection) {
 TEST(BadDay, IsStillReadBackRoughly) {
   const SensorSet sensors = paper_sensors();
   const Trajectory trajectory = usual_trajectory();
-  SyntheticOptions day = bad_day(sensors, height, approach);
+  SyntheticOptions day = bad_day(sensors, {height, approach});
   EXPECT_EQ(day.force.bits, 8);
   EXPECT_EQ(day.trigger_jitter, 1.0);
   for (day.seed = 1; day.seed <= 50; ++day.seed) {
