@@ -28,6 +28,9 @@ constexpr int finer_than_recording = 20;
 // is long.
 constexpr double fine = 0.1e-6;
 constexpr double most_samples = 4e6;
+// What a rig's own accuracy leaves out would be in every shot alike, and a fit that takes better
+// equations than that would find them wrong.
+constexpr double accuracy_of_truth = 1e-6;
 
 struct Options {
   std::string source;
@@ -58,6 +61,7 @@ acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options
   if (rig.velocity) request.history.velocity_position = rig.velocity->position;
   if (rig.displacement) request.history.displacement_position = rig.displacement->position;
   models::Solver solver = rig.solver;
+  solver.accuracy = std::min(solver.accuracy, accuracy_of_truth);
   solver.duration = options.duration - options.pre_trigger + margin;
   simulation = models::simulate(rig.rig, solver, request);
   const models::History& h = simulation.history;
@@ -68,9 +72,7 @@ acquisition::Trajectory trajectory_of(const fitting::RigFile& rig, const Options
         fmt::format("the simulation ended {:.4g} s after first touch, the recording asked for goes "
                     "on to {:.4g} s: {}. State a shorter --duration{}",
                     simulation.duration, recorded, simulation.termination,
-                    simulation.cut_short
-                        ? ", a longer solver.time_limit or a larger solver.accuracy"
-                        : ""));
+                    simulation.cut_short ? " or a longer solver.time_limit" : ""));
   datasets::SampledCurve force = fitting::force_curve(h);
   return {.start = h.start,
           .interval = h.interval,
