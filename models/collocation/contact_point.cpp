@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace impactrig::models {
 namespace {
@@ -14,6 +15,8 @@ constexpr double gap_share = 0.1;
 // Of the force that vibration which the contact should have damped makes, what it may change the
 // peak by. Less than a tenth of that it made where it dies out in the contact's time.
 constexpr double share_of_undamped = 0.03;
+// As many roundings of a depth as its nodes differ by.
+constexpr double roundings = 4.0;
 
 }  // namespace
 
@@ -110,9 +113,17 @@ double ContactPoint::missing_at_begin() const {
   return 0.5 * rule_.points()[0] * bar_.step() * std::abs(rise);
 }
 
+/// What rounding of the way to the stop makes of the force [N].
+double ContactPoint::rounding() const {
+  if (!contact_.presses()) return 0.0;
+  return std::numeric_limits<double>::epsilon() * std::abs(gap_) *
+         step_.to_depth.cwiseAbs().maxCoeff();
+}
+
 double ContactPoint::force_error(double impulse, double energy) const {
   if (contact_.phase() == Phase::free) return 0.0;
-  const double left = truncation(step_.force_series);
+  // no shorter step leaves less out than that
+  const double left = std::max(0.0, truncation(step_.force_series) - roundings * rounding());
   const double loss = truncation(step_.dissipation_series) * bar_.step();
   const double peak =
       std::max({log_.episode(number_).peak_force, local_force_, step_.force.cwiseAbs().maxCoeff()});

@@ -173,6 +173,7 @@ class ContactPoint {
   double root_of_gap(double low, double at_low, double guess, double high);
   double most_damping() const;
   double missing_at_begin() const;
+  double rounding() const;
   double answer() const;
   double integral(const NodeVector& at_nodes, double part) const;
   void note_peak(double force, double part);

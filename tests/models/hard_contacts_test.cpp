@@ -468,6 +468,36 @@ TEST(HardContact, ALawThatActsAndCeasesAtOnceMakesStepsShorter) {
   EXPECT_LT(run.cost.rejected, 10 * run.cost.steps);
 }
 
+// Damping that sets in over no depth at all, before a stop whose gap leaves the depth no digits
+// below 1e-20 m: steps had become shorter without end, 16.6 ms after first touch.
+TEST(HardContact, StepsAreNoShorterThanRoundingOfTheGap) {
+  Rig rig = paper_rig();
+  rig.beam =
+      tube(0.29298740421872965, 0.0080496842838349483, 0.0036706488188349277, 1.05e11, 8500.0);
+  set_contact({.radius = 0.0080496842838349483,
+               .counter_radius = 0.0082620779542144744,
+               .length = 0.018958850596799307,
+               .modulus = 1.05e11,
+               .counter_modulus = 2.1e11},
+              rig.contact);
+  rig.contact.poisson_ratio = 0.34;
+  rig.contact.counter_poisson_ratio = 0.3;
+  rig.contact.position = 0.29298740421872965;
+  rig.contact.law = "radzimovsky-1.60";
+  rig.contact.damping = "jankowski";
+  rig.contact.restitution = 0.078;
+  rig.start.velocity = 0.03061191869939827;
+  rig.gravity = 9.81;
+  rig.further_stops = {
+      {.contact = rig.contact, .side = StopSide::far, .gap = 0.00011673778422251805}};
+  rig.further_stops[0].contact.position = 0.11276557712047863;
+  const Simulation run = simulate_as(Motion::full, rig, ancf(3, 0, 1e-9, 0.018), 5e-10);
+  EXPECT_EQ(run.duration, 0.018);
+  ASSERT_GE(run.episodes.size(), 8u);
+  EXPECT_NEAR(run.episodes[7].start, 0.0166128, 1e-6);
+  EXPECT_LT(std::abs(run.energy.imbalance), 1e-9);
+}
+
 /// Takes no step once a contact is over, or from the start.
 class StallingMotion final : public ModalMotion {
  public:
