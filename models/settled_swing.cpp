@@ -5,13 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "models/beams/bar_element.hpp"
+#include "models/beams/bending_modes.hpp"
 #include "models/contact_log.hpp"
 #include "models/free_run.hpp"
 #include "models/rigid_swing.hpp"
@@ -51,18 +50,6 @@ double energy_at_start(const Rig& rig) {
 double fastest_turn(const Rig& rig) {
   if (rig.hinge.rotation) return std::abs(rig.hinge.rotation->rate);
   return std::sqrt(2.0 * energy_at_start(rig) / rig.beam.hinge_inertia());
-}
-
-/// Of a cantilever, with its weakest section all along and every lumped mass at its tip: no bar
-/// that does not shear vibrates as slowly [rad/s].
-double slowest_vibration(const Beam& beam) {
-  constexpr double share_at_tip = 0.25;  // of the bar's own mass, as Rayleigh has it
-  double weakest = std::numeric_limits<double>::infinity();
-  for (const BarElement& piece : bar_pieces(beam))
-    weakest = std::min(weakest, piece.bending_stiffness);
-  const double lumped = beam.total_mass() - beam.bar_mass();
-  return std::sqrt(3.0 * weakest /
-                   (std::pow(beam.length, 3) * (lumped + share_at_tip * beam.bar_mass())));
 }
 
 /// What magnifies errors of a swing that came out like this; "" where nothing does.

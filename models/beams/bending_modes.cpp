@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "models/beams/bar_element.hpp"
@@ -114,6 +115,16 @@ RigidLoad rigid_load(const std::vector<BarElement>& pieces, const Beam& beam, do
 }
 
 }  // namespace
+
+double slowest_vibration(const Beam& beam) {
+  constexpr double share_at_tip = 0.25;  // of the bar's own mass, as Rayleigh has it
+  double weakest = std::numeric_limits<double>::infinity();
+  for (const BarElement& piece : bar_pieces(beam))
+    weakest = std::min(weakest, piece.bending_stiffness);
+  const double lumped = beam.total_mass() - beam.bar_mass();
+  return std::sqrt(3.0 * weakest /
+                   (std::pow(beam.length, 3) * (lumped + share_at_tip * beam.bar_mass())));
+}
 
 double clamped_compliance(const Beam& beam, double x) {
   double sum = 0.0;

@@ -49,6 +49,10 @@ std::vector<BendingMode> bending_modes(const Beam& beam, Basis basis, int count)
 /// it: √(2 E C).
 double elastic_compliance(const Beam& beam, double x);
 
+/// At most the slowest vibration of the bar clamped at its hinge [rad/s]: by its weakest section
+/// all along and every lumped mass at its tip, without shear.
+double slowest_vibration(const Beam& beam);
+
 /// Deflection of the point at x under a unit force there of a bar that is clamped at its hinge
 /// [m/N].
 double clamped_compliance(const Beam& beam, double x);
