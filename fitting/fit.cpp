@@ -112,14 +112,28 @@ void Session::tell_early_end() {
 /// The full equations where those of small motion leave out what the data tell.
 void Session::settle_motion() {
   if (problem_.motion() != models::Motion::small) return;
-  const double shift = shift_by_full_motion(problem_, end_, predictions_);
-  if (shift <= harmless_shift) {
+  std::optional<double> shift = estimated_shift(problem_, end_, predictions_);
+  if (!shift) shift = shift_by_learning(problem_, end_);
+  if (*shift <= harmless_shift) {
     skipped_ = fmt::format(
         "in the fit: with the full equations no parameter of the impact would move by more than "
         "{:.2g} standard errors",
-        shift);
+        *shift);
     return;
   }
+  constexpr int most_rounds = 3;
+  // what is left out changes by so little that the parameters it moves need not be looked at again
+  constexpr double surely_harmless = 20.0 * harmless_shift;
+  const bool hits_once = std::ranges::all_of(
+      predictions_,
+      [](const models::Simulation& prediction) { return prediction.episodes.size() <= 1; });
+  for (int round = 0; round < most_rounds && std::isfinite(*shift); ++round) {
+    const bool is_last = hits_once && *shift <= surely_harmless;
+    search_.finish();
+    settle();
+    if (is_last || *(shift = shift_by_learning(problem_, end_)) <= harmless_shift) return;
+  }
+  forget_full_motion(problem_);
   prefer_full_motion(problem_);
   search_.finish();
   settle();
@@ -130,7 +144,7 @@ void Session::predict() {
   predictions_.clear();
   for (const Shot& shot : problem_.shots()) {
     const double interval = std::min(1e-6, shot.channels.front().signal->interval);
-    predictions_.push_back(shot.model->simulate(shot.cost->rig(), interval));
+    predictions_.push_back(shot.model->as_learned().simulate(shot.cost->rig(), interval));
   }
 }
 

@@ -227,6 +227,11 @@ void FitProblem::set_motion(models::Motion motion) {
   rebuild_costs();
 }
 
+void FitProblem::set_models(const std::vector<ShotModel>& models) {
+  for (std::size_t i = 0; i < shots_.size(); ++i) *shots_[i].model = models[i];
+  rebuild_costs();
+}
+
 void FitProblem::set_loss(Loss loss) {
   if (loss == loss_) return;
   loss_ = loss;

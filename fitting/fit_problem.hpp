@@ -76,6 +76,9 @@ class FitProblem {
   void set_motion(models::Motion motion);
   models::Motion motion() const;
 
+  /// These predict from now on, one a shot, of the same meshes and motion.
+  void set_models(const std::vector<ShotModel>& models);
+
   /// Slopes of the full equations are those of small motion from now on.
   void take_small_slopes();
 

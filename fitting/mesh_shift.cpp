@@ -7,6 +7,8 @@
 #include <cmath>
 #include <exception>
 #include <functional>
+#include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace impactrig::fitting {
@@ -64,6 +66,29 @@ std::string compare_meshes(FitProblem& problem, const std::function<void()>& com
   return failure;
 }
 
+/// What a finer mesh changes of a shot. Where one cannot be solved: what one half as fine changes,
+/// the other way and less by as much as that is less than what a quarter as fine does beyond.
+ShotCost::Change change_by_mesh(const FitProblem& problem, const Shot& shot) {
+  std::string failure;
+  try {
+    return shot.cost->change(*shot.model, shot.model->finer());
+  } catch (const std::exception& error) {
+    failure = error.what();
+  }
+  const models::Rig& rig = problem.rig().rig;
+  const std::optional<ShotModel> half = shot.model->halved(rig);
+  const std::optional<ShotModel> quarter = half ? half->halved(rig) : std::nullopt;
+  if (!quarter) throw std::runtime_error(failure);
+  ShotCost::Change change = shot.cost->change(*shot.model, *half);
+  const double before = shot.cost->change(*half, *quarter).differences.norm();
+  const double fall = std::min(1.0, change.differences.norm() / before);
+  change.differences *= -fall;
+  for (const auto which : {&models::Restitution::kinematic, &models::Restitution::kinetic,
+                           &models::Restitution::energetic})
+    change.restitution.*which *= -fall;
+  return change;
+}
+
 // A fit follows more of a mesh's error than is told to first order.
 constexpr double followed_beyond = 3.0;
 
@@ -100,7 +125,7 @@ void estimate_mesh_shift(FitProblem& problem, FitEnd& end, std::vector<std::stri
   if (problem.rig().solver.model == models::BeamModel::rigid) return;
   const std::string failure = compare_meshes(problem, [&] {
     const auto change_of = [&](const Shot& shot) -> Eigen::VectorXd {
-      ShotCost::Change change = shot.cost->change(*shot.model, shot.model->finer());
+      ShotCost::Change change = change_by_mesh(problem, shot);
       if (&shot == &problem.shots().front()) end.mesh_change = change.restitution;
       return std::move(change.differences);
     };

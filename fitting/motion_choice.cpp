@@ -51,22 +51,18 @@ double most_shift_by_neglect(const FitProblem& problem, const FitEnd& end,
   return of_histories * neglected * by_part;
 }
 
-/// By what both equations differ on the fit's mesh or a coarse one.
-double seen_shift(const FitProblem& problem, const FitEnd& end, bool coarse) {
+/// By what both equations differ on a coarse mesh: that is a matter of the bar's large motion,
+/// hardly of its high modes. Where it is anywhere near what matters, the mesh itself has to decide.
+std::optional<double> screened_shift(const FitProblem& problem, const FitEnd& end) {
   const auto change = [&](const Shot& shot) -> Eigen::VectorXd {
-    const ShotModel small = coarse ? shot.model->coarser(problem.rig().rig) : *shot.model;
+    const ShotModel small = shot.model->coarser(problem.rig().rig);
     ShotModel full = small;
     full.set_motion(models::Motion::full);
-    return shot.cost->change(coarse ? small : *shot.model, full).differences;
+    return shot.cost->change(small, full).differences;
   };
-  return largest(shift_by(change, problem, end), problem, end);
-}
-
-/// Screened on a coarse mesh: what both equations differ by is a matter of the bar's large motion,
-/// hardly of its high modes. Where that is anywhere near what matters, the mesh itself decides.
-double screened_shift(const FitProblem& problem, const FitEnd& end) {
-  const double coarse = seen_shift(problem, end, true);
-  return coarse < near_harmless * harmless_shift ? coarse : seen_shift(problem, end, false);
+  const double shift = largest(shift_by(change, problem, end), problem, end);
+  if (shift < near_harmless * harmless_shift) return shift;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -102,15 +98,37 @@ void prefer_full_motion(FitProblem& problem) {
   }
 }
 
-double shift_by_full_motion(const FitProblem& problem, const FitEnd& end,
-                            const std::vector<models::Simulation>& predictions) {
+std::optional<double> estimated_shift(const FitProblem& problem, const FitEnd& end,
+                                      const std::vector<models::Simulation>& predictions) {
   // each contact magnifies what the motion before it leaves out, by how much is the mesh's own
   const auto hits_again = [](const models::Simulation& prediction) {
     return prediction.episodes.size() > 1;
   };
-  if (std::ranges::any_of(predictions, hits_again)) return seen_shift(problem, end, false);
+  if (std::ranges::any_of(predictions, hits_again)) return std::nullopt;
   const double limit = most_shift_by_neglect(problem, end, predictions);
-  return limit > harmless_shift ? screened_shift(problem, end) : limit;
+  if (limit > harmless_shift) return screened_shift(problem, end);
+  return limit;
+}
+
+double shift_by_learning(FitProblem& problem, const FitEnd& end) {
+  std::vector<ShotModel> learned;
+  for (const Shot& shot : problem.shots()) {
+    learned.push_back(*shot.model);
+    if (!learned.back().learn_full_motion(shot.cost->rig(), shot.cost->chains())) return no_limit;
+  }
+  problem.add_simulations(static_cast<long>(learned.size()));
+  const auto change = [&](const Shot& shot) -> Eigen::VectorXd {
+    const auto number = static_cast<std::size_t>(&shot - problem.shots().data());
+    return shot.cost->change(*shot.model, learned[number]).differences;
+  };
+  const double shift = largest(shift_by(change, problem, end), problem, end);
+  if (shift > harmless_shift) problem.set_models(learned);
+  return shift;
+}
+
+void forget_full_motion(FitProblem& problem) {
+  for (Shot& shot : problem.shots()) shot.model->forget_full_motion();
+  problem.rebuild_costs();
 }
 
 }  // namespace impactrig::fitting

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "fitting/fit_end.hpp"
@@ -22,9 +23,17 @@ void choose_motion(FitProblem& problem);
 void prefer_full_motion(FitProblem& problem);
 
 /// By how many standard errors the full equations would move a parameter of the impact, after a fit
-/// in small motion with these predictions; above harmless_shift to first order, below it a limit
-/// may be told instead.
-double shift_by_full_motion(const FitProblem& problem, const FitEnd& end,
-                            const std::vector<models::Simulation>& predictions);
+/// in small motion with these predictions: at most, or by those of a coarse mesh where that is
+/// clear. None where only the mesh's own can tell.
+std::optional<double> estimated_shift(const FitProblem& problem, const FitEnd& end,
+                                      const std::vector<models::Simulation>& predictions);
+
+/// The same by the mesh's own, which are solved once a shot at the present values. Where that is
+/// not harmless, what they show beyond small motion is added to the predictions from then on: no
+/// simulation of a search has to be one of them. Infinite where it cannot be added.
+double shift_by_learning(FitProblem& problem, const FitEnd& end);
+
+/// Nothing is added any more.
+void forget_full_motion(FitProblem& problem);
 
 }  // namespace impactrig::fitting

@@ -61,6 +61,10 @@ models::Rig ShotCost::rig() const {
   return predictions_.rig_at(numbers_.present_values());
 }
 
+SensorChains ShotCost::chains() const {
+  return numbers_.chains_at(numbers_.present_values(), model_.chains());
+}
+
 void ShotCost::differences(const Values& values, const Shown& shown, double* residuals) const {
   double* out = residuals;
   for (const FittedChannel& channel : channels_) {

@@ -77,6 +77,9 @@ class ShotCost : public ceres::CostFunction {
   /// The rig at the variables' present values.
   models::Rig rig() const;
 
+  /// Likewise the sensors.
+  SensorChains chains() const;
+
  private:
   using Values = ShotNumbers::Values;
   using Slot = ShotNumbers::Slot;

@@ -80,6 +80,57 @@ ForceBreaks breaks_of(const models::History& derivative, const models::History& 
   return breaks;
 }
 
+constexpr std::optional<Shown::Curve> Shown::*all_curves[] = {&Shown::force, &Shown::velocity,
+                                                              &Shown::displacement};
+constexpr double models::Restitution::*all_restitutions[] = {&models::Restitution::kinematic,
+                                                             &models::Restitution::kinetic,
+                                                             &models::Restitution::energetic};
+
+/// Whether a curve goes on at its jumps, as behind a low-pass.
+bool is_continuous(const Shown::Curve& curve) {
+  constexpr double rounding = 1e-9;
+  return curve.spikes.empty() && std::ranges::all_of(curve.jumps, [](const auto& jump) {
+           return std::abs(jump.after - jump.before) <= rounding * std::abs(jump.before);
+         });
+}
+
+/// None where a curve jumps.
+std::optional<Shown> difference(const Shown& one, const Shown& other) {
+  Shown result;
+  for (const auto curve : all_curves) {
+    const auto &a = one.*curve, &b = other.*curve;
+    if (!a) continue;
+    if (!is_continuous(*a) || !is_continuous(*b) || a->values.size() != b->values.size())
+      return std::nullopt;
+    Shown::Curve left{.start = a->start, .interval = a->interval, .values = a->values};
+    for (std::size_t k = 0; k < left.values.size(); ++k) left.values[k] -= b->values[k];
+    result.*curve = std::move(left);
+  }
+  for (const auto which : all_restitutions)
+    result.restitution.*which = one.restitution.*which - other.restitution.*which;
+  return result;
+}
+
+/// Within the time of what is added, which does not jump.
+void add(const Shown::Curve& more, Shown::Curve& to) {
+  const double end = more.start + more.interval * static_cast<double>(more.values.size() - 1);
+  const auto at = [&](double time) {
+    return time >= more.start && time <= end ? more.at(time)[0] : 0.0;
+  };
+  for (std::size_t k = 0; k < to.values.size(); ++k)
+    to.values[k] += at(to.start + to.interval * static_cast<double>(k));
+  for (datasets::CurveJump& jump : to.jumps) {
+    jump.before += at(jump.time);
+    jump.after += at(jump.time);
+  }
+}
+
+void add(const Shown& more, Shown& to) {
+  for (const auto curve : all_curves)
+    if (to.*curve) add(*(more.*curve), *(to.*curve));
+  for (const auto which : all_restitutions) to.restitution.*which += more.restitution.*which;
+}
+
 }  // namespace
 
 std::optional<datasets::Sensor>& SensorChains::of(datasets::Quantity quantity) {
@@ -102,6 +153,23 @@ ShotModel::ShotModel(const RigFile& rig, const datasets::Impact& impact, double 
       lead_(lead),
       end_(end),
       interval_(std::min(step / oversampling, coarsest)) {}
+
+bool ShotModel::learn_full_motion(const models::Rig& rig, const SensorChains& chains) {
+  ShotModel small = *this, full = *this;
+  small.forget_full_motion();
+  full.motion_ = models::Motion::full;
+  const std::optional<Shown> beyond =
+      difference(full.predict(rig, chains), small.predict(rig, chains));
+  if (!beyond) return false;
+  beyond_small_ = std::make_shared<const Shown>(*beyond);
+  return true;
+}
+
+ShotModel ShotModel::as_learned() const {
+  ShotModel model = *this;
+  if (beyond_small_) model.motion_ = models::Motion::full;
+  return model;
+}
 
 ShotModel ShotModel::in_small_motion() const {
   ShotModel model = *this;
@@ -213,6 +281,7 @@ Shown ShotModel::predict(const models::Rig& rig, const SensorChains& chains,
   const models::Simulation simulation = simulate(rig, chains, options);
   Shown shown = show(simulation.history, chains, breaks_of(simulation.history));
   shown.restitution = simulation.restitution;
+  if (beyond_small_ && motion_ == models::Motion::small && !for_slopes_) add(*beyond_small_, shown);
   for (const models::Sensitivity& sensitivity : simulation.sensitivities) {
     shown.slopes.push_back(
         show(sensitivity.history, chains, breaks_of(sensitivity.history, simulation.history)));

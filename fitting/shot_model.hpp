@@ -83,6 +83,18 @@ class ShotModel {
   /// Which equations predict from now on.
   void set_motion(models::Motion motion) { motion_ = motion; }
 
+  /// Learns what the full equations show beyond small motion at these values; predictions in small
+  /// motion have that added from now on. It hardly depends on the values: a part of them, in
+  /// square, that is small itself. False, and nothing is added, where both do not show the same
+  /// jumps.
+  bool learn_full_motion(const models::Rig& rig, const SensorChains& chains);
+
+  /// Nothing is added any more.
+  void forget_full_motion() { beyond_small_.reset(); }
+
+  /// The same by the full equations, where what they show is added.
+  ShotModel as_learned() const;
+
   /// The same in small motion, whose slopes a fit may take where those of the full equations are
   /// not known.
   ShotModel in_small_motion() const;
@@ -110,6 +122,7 @@ class ShotModel {
   double lead_, end_, interval_;
   bool rough_ = false, for_slopes_ = false;
   models::Motion motion_ = models::Motion::full;
+  std::shared_ptr<const Shown> beyond_small_;
   std::shared_ptr<models::BarCache> bars_ = std::make_shared<models::BarCache>();
 };
 
