@@ -369,7 +369,8 @@ ShownPeaks shown_peaks(const Trajectory& trajectory, const SensorSet& sensors) {
     return most;
   };
   ShownPeaks peaks{largest(trajectory.force), largest(trajectory.velocity)};
-  for (const Line& line : lines_of(trajectory, sensors, {})) {
+  const SyntheticOptions undisturbed;
+  for (const Line& line : lines_of(trajectory, sensors, undisturbed)) {
     if (line.history->size() < 4 || line.sensor->quantity == Quantity::displacement) continue;
     const double length = trajectory.interval * static_cast<double>(line.history->size() - 1);
     double& peak = line.sensor->quantity == Quantity::force ? peaks.force : peaks.velocity;
