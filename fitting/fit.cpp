@@ -112,13 +112,14 @@ void Session::tell_early_end() {
 /// The full equations where those of small motion leave out what the data tell.
 void Session::settle_motion() {
   if (problem_.motion() != models::Motion::small) return;
-  std::optional<double> shift = estimated_shift(problem_, end_, predictions_);
-  if (!shift) shift = shift_by_learning(problem_, end_);
-  if (*shift <= harmless_shift) {
+  const std::optional<double> estimated = estimated_shift(problem_, end_, predictions_);
+  LearnedShift found =
+      estimated ? LearnedShift{*estimated, false} : shift_by_learning(problem_, end_);
+  if (found.shift <= harmless_shift) {
     skipped_ = fmt::format(
         "in the fit: with the full equations no parameter of the impact would move by more than "
         "{:.2g} standard errors",
-        *shift);
+        found.shift);
     return;
   }
   constexpr int most_rounds = 3;
@@ -127,11 +128,13 @@ void Session::settle_motion() {
   const bool hits_once = std::ranges::all_of(
       predictions_,
       [](const models::Simulation& prediction) { return prediction.episodes.size() <= 1; });
-  for (int round = 0; round < most_rounds && std::isfinite(*shift); ++round) {
-    const bool is_last = hits_once && *shift <= surely_harmless;
+  for (int round = 0; round < most_rounds && found.learned; ++round) {
+    const bool is_last = hits_once && found.shift <= surely_harmless;
     search_.finish();
     settle();
-    if (is_last || *(shift = shift_by_learning(problem_, end_)) <= harmless_shift) return;
+    if (is_last) return;
+    found = shift_by_learning(problem_, end_);
+    if (found.shift <= harmless_shift) return;
   }
   forget_full_motion(problem_);
   prefer_full_motion(problem_);

@@ -110,20 +110,23 @@ std::optional<double> estimated_shift(const FitProblem& problem, const FitEnd& e
   return limit;
 }
 
-double shift_by_learning(FitProblem& problem, const FitEnd& end) {
-  std::vector<ShotModel> learned;
+LearnedShift shift_by_learning(FitProblem& problem, const FitEnd& end) {
+  std::vector<ShotModel> others;
+  bool learned = true;
   for (const Shot& shot : problem.shots()) {
-    learned.push_back(*shot.model);
-    if (!learned.back().learn_full_motion(shot.cost->rig(), shot.cost->chains())) return no_limit;
+    others.push_back(*shot.model);
+    if (others.back().learn_full_motion(shot.cost->rig(), shot.cost->chains())) continue;
+    others.back().set_motion(models::Motion::full);
+    learned = false;
   }
-  problem.add_simulations(static_cast<long>(learned.size()));
+  problem.add_simulations(static_cast<long>(others.size()));
   const auto change = [&](const Shot& shot) -> Eigen::VectorXd {
     const auto number = static_cast<std::size_t>(&shot - problem.shots().data());
-    return shot.cost->change(*shot.model, learned[number]).differences;
+    return shot.cost->change(*shot.model, others[number]).differences;
   };
   const double shift = largest(shift_by(change, problem, end), problem, end);
-  if (shift > harmless_shift) problem.set_models(learned);
-  return shift;
+  if (learned && shift > harmless_shift) problem.set_models(others);
+  return {shift, learned};
 }
 
 void forget_full_motion(FitProblem& problem) {

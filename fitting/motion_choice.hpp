@@ -29,9 +29,14 @@ std::optional<double> estimated_shift(const FitProblem& problem, const FitEnd& e
                                       const std::vector<models::Simulation>& predictions);
 
 /// The same by the mesh's own, which are solved once a shot at the present values. Where that is
-/// not harmless, what they show beyond small motion is added to the predictions from then on: no
-/// simulation of a search has to be one of them. Infinite where it cannot be added.
-double shift_by_learning(FitProblem& problem, const FitEnd& end);
+/// not harmless, what they show beyond small motion is added to the predictions from then on if it
+/// can be: no simulation of a search has to be one of them then.
+struct LearnedShift {
+  double shift;
+  bool learned;  ///< whether it can be added
+};
+
+LearnedShift shift_by_learning(FitProblem& problem, const FitEnd& end);
 
 /// Nothing is added any more.
 void forget_full_motion(FitProblem& problem);

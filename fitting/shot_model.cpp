@@ -94,14 +94,20 @@ bool is_continuous(const Shown::Curve& curve) {
          });
 }
 
+bool is_continuous(const Shown& shown) {
+  return std::ranges::all_of(all_curves, [&](const auto curve) {
+    return !(shown.*curve) || is_continuous(*(shown.*curve));
+  });
+}
+
 /// None where a curve jumps.
 std::optional<Shown> difference(const Shown& one, const Shown& other) {
+  if (!is_continuous(one) || !is_continuous(other)) return std::nullopt;
   Shown result;
   for (const auto curve : all_curves) {
     const auto &a = one.*curve, &b = other.*curve;
     if (!a) continue;
-    if (!is_continuous(*a) || !is_continuous(*b) || a->values.size() != b->values.size())
-      return std::nullopt;
+    if (a->values.size() != b->values.size()) return std::nullopt;
     Shown::Curve left{.start = a->start, .interval = a->interval, .values = a->values};
     for (std::size_t k = 0; k < left.values.size(); ++k) left.values[k] -= b->values[k];
     result.*curve = std::move(left);
@@ -158,8 +164,9 @@ bool ShotModel::learn_full_motion(const models::Rig& rig, const SensorChains& ch
   ShotModel small = *this, full = *this;
   small.forget_full_motion();
   full.motion_ = models::Motion::full;
-  const std::optional<Shown> beyond =
-      difference(full.predict(rig, chains), small.predict(rig, chains));
+  const Shown by_small = small.predict(rig, chains);
+  if (!is_continuous(by_small)) return false;
+  const std::optional<Shown> beyond = difference(full.predict(rig, chains), by_small);
   if (!beyond) return false;
   beyond_small_ = std::make_shared<const Shown>(*beyond);
   return true;

@@ -85,8 +85,8 @@ class ShotModel {
 
   /// Learns what the full equations show beyond small motion at these values; predictions in small
   /// motion have that added from now on. It hardly depends on the values: a part of them, in
-  /// square, that is small itself. False, and nothing is added, where both do not show the same
-  /// jumps.
+  /// square, that is small itself. False, and nothing is added, where a channel shows the force
+  /// jump.
   bool learn_full_motion(const models::Rig& rig, const SensorChains& chains);
 
   /// Nothing is added any more.

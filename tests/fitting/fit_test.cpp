@@ -170,6 +170,21 @@ TEST(Fit, KeepsTheFullEquationsWhereTheyAreSeen) {
   EXPECT_LT(std::abs(pull(result, "contact.stiffness_factor", 1.0)), 4.0);
 }
 
+// A force that jumps cannot have what the full equations show beyond added; these are looked at all
+// the same, and left where they are not seen.
+TEST(Fit, TakesSmallMotionOfAForceThatJumpsWhereItIsHarmless) {
+  for (const double velocity : {0.7, 0.8, 0.85, 0.9, 0.95}) {
+    SCOPED_TRACE(velocity);
+    RigFile rig = hybrid_rig("1.5 ms", {{"contact.damping", "\"viscous\""},
+                                        {"start.velocity", fmt::format("\"{} m/s\"", velocity)}});
+    rig.force->high_cut.reset();
+    rig.force->resonance.reset();
+    rig.force->low_cut.reset();
+    const ShotTruth truth{.velocity = velocity, .force_noise = 5.0, .duration = 1.6e-3};
+    EXPECT_TRUE(fit({synthetic_shot(rig, truth)}, rig).predictions.at(0).small_motion);
+  }
+}
+
 // The same noise on what the full equations show and on what small motion shows: by how much the
 // two fits part is what small motion does to a fit, in standard errors.
 TEST(Fit, SaysWhatSmallMotionDoesToItAtMost) {
