@@ -178,6 +178,7 @@ std::optional<BarModes> BarModeFinder::find(int modes, int more, const BarModes*
   BarModes found{.squares = Eigen::VectorXd(stride),
                  .rows = Eigen::MatrixXd(stride, size()),
                  .own = modes,
+                 .left_out = {},
                  .weight = {},
                  .hinge = {},
                  .rigid = {}};
@@ -354,6 +355,7 @@ void BarModeFinder::stand_in(BarModes& modes, const std::vector<LinearBar::Row>&
   const Eigen::VectorXd slowed = (fastest / stiff.eigenvalues().array()).min(1.0).sqrt();
   modes.squares.conservativeResize(modes.own + kept);
   modes.squares.tail(kept) = stiff.eigenvalues().cwiseMin(fastest);
+  modes.left_out = stiff.eigenvalues();
   if (kept < count) modes.rows.conservativeResize(modes.own + kept, Eigen::NoChange);
   modes.rows.bottomRows(kept) =
       slowed.asDiagonal() * (turn * stiff.eigenvectors()).transpose() * left;

@@ -282,16 +282,20 @@ bool ContactForce::differs(const ContactForce& other) const {
          (by_mass && !stated_strength_ && damped() && mass_ != other.mass_);
 }
 
-double ContactForce::damping_share(double speed, double depth) const {
-  if (factor_ == 0.0) return 0.0;
+double ContactForce::force_of_impact(double speed, double depth) const {
+  if (factor_ == 0.0) return elastic(depth);
   ContactForce trial = *this;
   trial.law_speed_ = stated_speed_.value_or(speed);
   trial.strength_ = strength_at(trial.law_speed_);
   trial.set_phase(Phase::pressed);
-  const double elastic = trial.elastic(depth);
   const double damped = trial.pressed(depth, speed).force;
   // an implicit law may have no force at this speed
-  return std::isfinite(damped) ? damped / elastic - 1.0 : factor_ / (1.0 - std::min(factor_, 0.9));
+  return std::isfinite(damped) ? damped
+                               : elastic(depth) * (1.0 + factor_ / (1.0 - std::min(factor_, 0.9)));
+}
+
+double ContactForce::damping_share(double speed, double depth) const {
+  return force_of_impact(speed, depth) / elastic(depth) - 1.0;
 }
 
 bool contacts_end_smoothly(const Rig& rig) {

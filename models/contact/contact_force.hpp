@@ -126,6 +126,10 @@ class ContactForce {
   /// The phase beyond that.
   Phase switched() const;
 
+  /// What presses in an impact of this speed [m/s], at this depth [m], before it has slowed down
+  /// [N].
+  double force_of_impact(double speed, double depth) const;
+
   /// Largest part of the force that is damping's in an impact of this speed [m/s] and depth [m], of
   /// the elastic force.
   double damping_share(double speed, double depth) const;

@@ -25,6 +25,7 @@ ModalBar::ModalBar(std::shared_ptr<const SmallMotionBeam> beam, const Rig& rig)
 ModalBar::ModalBar(std::shared_ptr<const ReducedBar> beam, const Rig& rig)
     : ModalBar(std::static_pointer_cast<const SmallMotionBeam>(beam), rig) {
   own_modes_ = beam->own_modes();
+  left_out_ = beam->left_out();
 }
 
 ModalBar::ModalBar(std::shared_ptr<const ModalBar> other, const ModalBeam::Change& change)

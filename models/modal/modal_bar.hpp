@@ -32,6 +32,9 @@ class ModalBar {
   /// Whether some do.
   bool is_reduced() const { return own_modes_ < modes_.modes(); }
 
+  /// BarModes::left_out.
+  const Eigen::VectorXd& left_out() const { return left_out_; }
+
   const StepLadder& ladder() const { return ladder_; }
 
   const ModalStep& step(const Collocation& rule, int level) const;
@@ -67,6 +70,7 @@ class ModalBar {
   std::shared_ptr<const SmallMotionBeam> beam_;
   ModalBeam modes_;
   int own_modes_;
+  Eigen::VectorXd left_out_;
   StepLadder ladder_;
   mutable std::mutex mutex_;  // of those who add steps
   mutable std::array<std::atomic<Steps*>, StepLadder::levels> steps_ = {};

@@ -47,6 +47,7 @@ std::optional<BarModes> ReducedBar::modes() const {
   return BarModes{.squares = modes_.squares,
                   .rows = {},
                   .own = modes_.own,
+                  .left_out = modes_.left_out,
                   .weight = modes_.weight,
                   .hinge = modes_.hinge,
                   .rigid = modes_.rigid};

@@ -37,6 +37,9 @@ class ReducedBar : public SmallMotionBeam {
   /// How many of the coordinates are modes of the bar.
   int own_modes() const { return modes_.own; }
 
+  /// BarModes::left_out.
+  const Eigen::VectorXd& left_out() const { return modes_.left_out; }
+
  private:
   void find_modes(int modes, const BarModes* fewer);
 

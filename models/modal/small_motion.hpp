@@ -30,6 +30,8 @@ struct BarModes {
   /// are the modes.
   Eigen::MatrixXd rows;
   int own = 0;  ///< how many are modes of the bar; those after them stand for the rest
+  /// ω² of what these stand for, which they may be slower than [rad²/s²] (m − own).
+  Eigen::VectorXd left_out;
   /// The hanging weight's stiffness in those that it holds by more than a millionth (p, p), p ≤ m.
   Eigen::MatrixXd weight;
   Eigen::VectorXd hinge;  ///< angle of the axis at the hinge, closing > 0 (m)

@@ -87,6 +87,7 @@ BarModes modes_by_matrices(const SmallMotion& motion) {
   BarModes modes{.squares = coupled.diagonal(),
                  .rows = shapes.transpose(),
                  .own = static_cast<int>(n),
+                 .left_out = {},
                  .weight = basis.transpose() * weight * basis,
                  .hinge = basis.transpose() * hinge,
                  .rigid = {}};

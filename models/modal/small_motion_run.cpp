@@ -338,16 +338,37 @@ void SmallMotionRun::tell_taken(Simulation& result) const {
         flights.time, flights.count, flights.count == 1 ? "" : "s"));
 }
 
+/// Of coordinates that are slower than the modes they stand for, speeds with which these ring by
+/// the force's growth at touch, as much as it has grown after a radian at once [m √kg/s]. The
+/// others ring as they are seen to.
+Eigen::VectorXd SmallMotionRun::rung_at_touch(int stop) const {
+  const double speed = touch_velocity(rig_);
+  const ContactForce contact(rig_, stop);
+  const Eigen::Index own = bar_->own_modes();
+  Eigen::VectorXd rung = Eigen::VectorXd::Zero(bar_->modes().modes());
+  for (Eigen::Index i = 0; i < bar_->left_out().size(); ++i) {
+    const double omega = std::sqrt(bar_->left_out()[i]), slowed = bar_->modes().omega()[own + i];
+    if (slowed >= 0.999 * omega) continue;
+    rung[own + i] = contact.force_of_impact(speed, speed / omega) *
+                    std::abs(bar_->modes().struck(stop)[own + i]) * omega / (slowed * slowed);
+  }
+  return rung;
+}
+
 /// What of a force is damping's errs with the speed.
 void SmallMotionRun::find_left_out(const Simulation& result) {
   const ModalMotion::LeftOut& left_out = motion_.left_out();
   const double speed = touch_velocity(rig_), depth = result.max_penetration;
-  double of_speed = 0.0;
-  for (int stop = 0; stop < rig_.stops(); ++stop)
+  double of_speed = 0.0, at_stops = left_out.power / result.peak_force, shown = left_out.shown;
+  for (int stop = 0; stop < rig_.stops(); ++stop) {
+    const Eigen::VectorXd rung = rung_at_touch(stop);
     of_speed = std::max(of_speed, ContactForce(rig_, stop).damping_share(speed, depth));
-  const double of_damping = of_speed * left_out.power / (result.peak_force * speed);
+    at_stops = std::max(at_stops, rung.dot(bar_->modes().struck(stop).cwiseAbs()));
+    if (motion_.velocity_row().size() > 0)
+      shown = std::max(shown, rung.dot(motion_.velocity_row().cwiseAbs()));
+  }
   left_out_ = safety_of_vibration *
-              std::max(left_out.displacement / depth + of_damping, left_out.shown / speed);
+              std::max(left_out.displacement / depth + of_speed * at_stops / speed, shown / speed);
 }
 
 Simulation swing_freely(const Rig& rig, const Solver& solver, const SimulationOptions& options,

@@ -76,6 +76,7 @@ class SmallMotionRun {
   bool may_end_otherwise(const Simulation& result, double part) const;
   double of_swing(const Simulation& result) const;
   double rounding_of_load(const Simulation& result) const;
+  Eigen::VectorXd rung_at_touch(int stop) const;
   void find_left_out(const Simulation& result);
   void tell_taken(Simulation& result) const;
 
