@@ -71,7 +71,8 @@ std::optional<Baseline> BaselineSearch::before(std::size_t end, std::size_t floo
   QuietFit nearest = course(begin, end, 1);
   std::size_t size = end - begin;
   Baseline baseline{.steady = true};
-  while (trend(nearest) > leans * pulse.height + 4.0 * trend_scatter(nearest) && size >= 16) {
+  while (trend(nearest) > leans * pulse.height + 4.0 * trend_scatter(nearest)) {
+    if (size < 16) return std::nullopt;  // the foot from the begin
     baseline.steady = false;
     size /= 2;
     nearest = course(begin, begin + size, 1);

@@ -49,7 +49,7 @@ class BaselineSearch {
   /// The course before sample `end`, from at most a window before it, and nothing before `floor`.
   /// Where it is not steady (the foot of the pulse, the ringing of the impact before), what is
   /// further from the pulse counts. A line goes on behind the top for as long as it was seen. None
-  /// of fewer than 8 samples.
+  /// of fewer than 8 samples, or where the foot takes all of them.
   std::optional<Baseline> before(std::size_t end, std::size_t floor, const Pulse& pulse) const;
 
  private:

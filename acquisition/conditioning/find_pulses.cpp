@@ -208,8 +208,9 @@ bool PulseSearch::comes_to_rest_at(const Trigger& begin) const {
   const std::size_t n = y_.size(), last = std::max(least_quiet, n / 32);
   if (n < 4 * last) return false;
   const Spread end = robust_spread(y_.last(last), trace_.marks(n - last, n));
-  const double sigma = std::max(begin.sigma, at_least_a_step(end.sigma));
-  return end.sigma <= within * begin.sigma && std::abs(end.centre - begin.level) <= within * sigma;
+  const double of_begin = begin.sigma, of_end = at_least_a_step(end.sigma);
+  const bool alike = of_end <= within * of_begin && of_begin <= within * of_end;
+  return alike && std::abs(end.centre - begin.level) <= within * std::max(of_begin, of_end);
 }
 
 /// A force that begins off the level of most of its record, as one whose zero the impact has

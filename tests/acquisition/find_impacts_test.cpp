@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "acquisition/conditioning/condition.hpp"
@@ -341,6 +342,24 @@ TEST(FindImpacts, FindsAPulseWithoutAnyQuietPartBefore) {
   EXPECT_NEAR(impacts[0].start, 0.0, 2e-6);
   EXPECT_NEAR(impacts[0].force->noise, 5.0, 1.0);
   EXPECT_NEAR(impacts[0].force->baseline, 0.0, 1.0);
+}
+
+// Of 200 samples at 5 us, 0 to 8 of the record before touch: their foot is no level. 90 records.
+TEST(FindImpacts, MeasuresAPulseThatBeginsWithItsRecord) {
+  constexpr double lasts = 1e-3;
+  for (const int before : {0, 1, 2, 3, 4, 5, 6, 7, 8}) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const double touch = (before + 0.1 * static_cast<double>(seed - 1)) * 5e-6;
+      const Sampling at{.start = -touch, .interval = 5e-6, .samples = 460};
+      auto force = sampled(at, [](double t) { return half_sine(t, 100.0, lasts); });
+      add_noise(force, 0.3, seed);
+      const auto impacts = find_impacts(record_of({force_of(at, force)}));
+      ASSERT_EQ(impacts.size(), 1u) << before << ' ' << seed;
+      const double impulse = 100.0 * lasts * 2.0 / std::numbers::pi;
+      EXPECT_NEAR(impacts[0].impulse / impulse, 1.0, 0.02) << before << ' ' << seed;
+      EXPECT_NEAR(impacts[0].start, 0.0, 20e-6) << before << ' ' << seed;
+    }
+  }
 }
 
 TEST(FindImpacts, TakesTheThresholdTheUserStates) {
