@@ -7,6 +7,7 @@
 #include "acquisition/conditioning/baseline_search.hpp"
 #include "acquisition/conditioning/contact_search.hpp"
 #include "acquisition/conditioning/measure_pulse.hpp"
+#include "acquisition/conditioning/steady_drift.hpp"
 #include "acquisition/conditioning/touch_in_vibration.hpp"
 
 namespace impactrig::acquisition {
@@ -29,11 +30,12 @@ struct Trigger {
 
 class PulseSearch {
  public:
-  PulseSearch(const Trace& trace, const DetectionOptions& options)
+  /// `grain`: grain_of() the signal as it was recorded.
+  PulseSearch(const Trace& trace, double grain, const DetectionOptions& options)
       : trace_(trace),
         y_(trace.values),
         options_(options),
-        grain_(grain_of(y_, trace.valid)),
+        grain_(grain),
         gate_(noise_gate(y_.size())),
         window_(static_cast<std::size_t>(std::max(200.0, options.before() / trace.interval))) {}
 
@@ -471,7 +473,14 @@ std::optional<QuietSpan> quiet_before(const Trace& trace, double onset, std::siz
 
 std::vector<Contact> find_pulses(const Trace& trace, const DetectionOptions& options) {
   if (trace.values.size() < 4) return {};
-  return PulseSearch(trace, options).run();
+  const double grain = grain_of(trace.values, trace.valid);
+  const std::optional<QuietFit> drift = steady_drift(trace, grain);
+  if (!drift) return PulseSearch(trace, grain, options).run();
+  Trace level = trace;
+  for (std::size_t i = 0; i < level.values.size(); ++i) level.values[i] -= drift->at(as_double(i));
+  std::vector<Contact> contacts = PulseSearch(level, grain, options).run();
+  for (Contact& contact : contacts) contact.baseline += drift->at(contact.onset);
+  return contacts;
 }
 
 }  // namespace impactrig::acquisition

@@ -362,6 +362,24 @@ TEST(FindImpacts, MeasuresAPulseThatBeginsWithItsRecord) {
   }
 }
 
+// An amplifier that drifts by 8 % to 120 % of the peak over 40 ms, 10 ms of them before touch.
+TEST(FindImpacts, FindsAPulseOnASteadyDrift) {
+  for (const double lasts : {0.3e-3, 1e-3})
+    for (const double slope :
+         {-30.0, -5.0, 2.0, 5.0, 7.5, 9.0, 15.0, 30.0}) {  // % of peak in 10 ms
+      const Sampling at{.start = -10e-3, .interval = 2e-6, .samples = 20000};
+      auto force = sampled(at, [&](double t) {
+        return sine_squared(t, 500.0, lasts) + slope * 5.0 * (t + 10e-3) / 10e-3;
+      });
+      add_noise(force, 0.25, 5);
+      const auto impacts = find_impacts(record_of({force_of(at, force)}));
+      ASSERT_EQ(impacts.size(), 1u) << slope;
+      EXPECT_NEAR(impacts[0].impulse / (0.5 * 500.0 * lasts), 1.0, 0.005) << slope;
+      EXPECT_NEAR(impacts[0].peak, 500.0, 1.5) << slope;
+      EXPECT_NEAR(impacts[0].start, 0.0, 0.05 * lasts) << slope;
+    }
+}
+
 TEST(FindImpacts, TakesTheThresholdTheUserStates) {
   const Sampling at;
   std::vector<double> force = sampled(at, [](double t) {
