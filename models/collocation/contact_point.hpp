@@ -170,6 +170,7 @@ class ContactPoint {
   double switch_at(double place);
   double root_of_switch(double low, double high);
   double switch_in_dip(const Look& first, const Look& middle, const Look& last);
+  double switch_before_gap(double place, double gap);
   double root_of_gap(double low, double at_low, double guess, double high);
   double most_damping() const;
   double missing_at_begin() const;

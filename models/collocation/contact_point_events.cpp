@@ -140,6 +140,17 @@ double ContactPoint::switch_in_dip(const Look& first, const Look& middle, const 
   return 2.0;
 }
 
+/// The same between a place at which it is above and the gap's zero; 2 where there is none. Where
+/// damping falls faster than the elastic force, as Hertz's does before a linear one, what would
+/// pull presses again just before, and looks beyond the gap do not tell.
+double ContactPoint::switch_before_gap(double place, double gap) {
+  constexpr int halvings = 10;  // what is nearer has no impulse
+  if (!contact_.may_switch() || contact_.form() == DampingForm::proportional) return 2.0;
+  for (double left = 0.5 * (gap - place); left > std::ldexp(gap - place, -halvings); left *= 0.5)
+    if (switch_at(gap - left) < 0.0) return root_of_switch(place, gap - left);
+  return 2.0;
+}
+
 /// Whether a few looks at the nodes and both ends tell that no phase ends between them.
 bool ContactPoint::certainly_goes_on() const {
   const PointMotion first = struck(), &last = step_.at_end;
@@ -190,6 +201,7 @@ bool ContactPoint::look_on(Seen& seen, double here, const PointMotion& p) {
   else if (first.place < middle.place && first.value > middle.value && middle.value >= 0.0 &&
            middle.value < last.value)
     change = switch_in_dip(first, middle, last);
+  if (gap < change && gap <= 1.0) change = switch_before_gap(middle.place, gap);
   seen = {middle, last, p};
   if (gap > 1.0 && change > 1.0) return false;
   event_ = gap <= change ? Event::gap : Event::change;

@@ -437,6 +437,34 @@ TEST(HardContact, AForceThatRisesBeforeTheFirstNodeMakesTheFirstStepShorter) {
         << accuracy;
 }
 
+// Just before the gap opens Hertz's damping falls below a linear force, and what the law would have
+// pulled presses again, for microseconds: unseen beyond the last node.
+TEST(HardContact, WhatWouldPullPressesAgainBeforeTheGapOpens) {
+  Rig rig = paper_rig();
+  rig.beam = round_bar(0.3666, 0.09, 5.77e10, 7138.0);
+  set_contact({.radius = 0.0363,
+               .counter_radius = 0.0364,
+               .length = 0.0755,
+               .modulus = 5.77e10,
+               .counter_modulus = 4.49e11},
+              rig.contact);
+  rig.contact.position = 0.005;
+  rig.contact.law = "linear";
+  rig.contact.stiffness = 4.5e8;
+  rig.contact.damping = "hertz-hysteresis";
+  rig.contact.restitution = 0.52;
+  rig.start.velocity = 4.36;
+  rig.stop = {.mass = 47.0, .stiffness = 1.4e8};
+  const auto solved = [&](double accuracy) {
+    Solver solver = hybrid(Basis::cantilever, 2, accuracy, 5e-3);
+    solver.axial_modes = 0;
+    return simulate(rig, solver);
+  };
+  const Simulation exact = solved(1e-11);
+  for (const double accuracy : {1e-6, 5e-7, 4e-7, 3e-7, 2e-7, 1e-7, 5e-8})
+    EXPECT_LE(errors(solved(accuracy), exact).impulse, accuracy) << accuracy;
+}
+
 // A step too long for how strong damping begins had its law act and cease again at the same time:
 // 500 000 such steps were rejected before a second stop, until the time limit.
 TEST(HardContact, ALawThatActsAndCeasesAtOnceMakesStepsShorter) {
