@@ -474,7 +474,7 @@ std::optional<QuietSpan> quiet_before(const Trace& trace, double onset, std::siz
 std::vector<Contact> find_pulses(const Trace& trace, const DetectionOptions& options) {
   if (trace.values.size() < 4) return {};
   const double grain = grain_of(trace.values, trace.valid);
-  const std::optional<QuietFit> drift = steady_drift(trace, grain);
+  const std::optional<SteadyDrift> drift = steady_drift(trace, grain);
   if (!drift) return PulseSearch(trace, grain, options).run();
   Trace level = trace;
   for (std::size_t i = 0; i < level.values.size(); ++i) level.values[i] -= drift->at(as_double(i));

@@ -380,6 +380,24 @@ TEST(FindImpacts, FindsAPulseOnASteadyDrift) {
     }
 }
 
+// An amplifier on its way back: 5 % to 40 % of the peak at first, of time constants from a contact
+// to half of the record.
+TEST(FindImpacts, FindsAPulseOnADecay) {
+  constexpr double lasts = 1e-3;
+  for (const double time : {2e-3, 5e-3, 20e-3})
+    for (const double part : {-0.4, -0.1, 0.05, 0.1, 0.4}) {
+      const Sampling at{.start = -8e-3, .interval = 2e-6, .samples = 20000};
+      auto force = sampled(at, [&](double t) {
+        return sine_squared(t, 500.0, lasts) + part * 500.0 * std::exp(-(t + 8e-3) / time);
+      });
+      add_noise(force, 0.5, 7);
+      const auto impacts = find_impacts(record_of({force_of(at, force)}));
+      ASSERT_EQ(impacts.size(), 1u) << time << ' ' << part;
+      EXPECT_NEAR(impacts[0].impulse / (0.5 * 500.0 * lasts), 1.0, 0.01) << time << ' ' << part;
+      EXPECT_NEAR(impacts[0].start, 0.0, 0.1 * lasts) << time << ' ' << part;
+    }
+}
+
 TEST(FindImpacts, TakesTheThresholdTheUserStates) {
   const Sampling at;
   std::vector<double> force = sampled(at, [](double t) {
