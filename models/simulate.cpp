@@ -327,13 +327,13 @@ Simulation simulate_full_equations(const Rig& rig, const Solver& solver,
   return result;
 }
 
-/// Whether the vibration that letting a bar go leaves in it makes itself felt: without a swing the
-/// full equations would have none.
+/// Whether it makes itself felt that a bar that is let go does not swing as a rigid one: without a
+/// swing the full equations would have nothing of it.
 bool feels_release(const Rig& rig, const Solver& solver, const SimulationOptions& options) {
   const bool flexible = rig.has_stop() && solver.model != BeamModel::rigid;
   if (!flexible || !rig.start.release_angle || follows_swing(rig, options)) return false;
-  const auto vibration = release_vibration(rig);
-  return !vibration || *vibration > solver.accuracy;
+  const auto missed = missed_by_rigid_swing(rig);
+  return !missed || *missed > solver.accuracy;
 }
 
 /// A damper that hardly lets the bar arrive leaves it what the swing's last digits are.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "models/modal/bar_cache.hpp"
@@ -32,6 +33,10 @@ constexpr double most_of_spring = 6.0;
 // bent_by_damper().
 constexpr double most_of_damper = 2.0;
 
+// What friction's moment, that bends the bar all the way, does to a result, over
+// bent_by_friction().
+constexpr double most_of_friction = 2.0;
+
 // What a bar that swings slower than a rigid one does to a result, over slowed_by_bending(): 1.1 of
 // a tube let go from 0.5 to 16 mrad.
 constexpr double most_of_slowness = 2.0;
@@ -51,13 +56,22 @@ double left_out(const Rig& rig, const RigidSwing::Arrival& arrival, double slowe
 }
 
 /// How much slower the bar swings than a rigid one, which its weight bends on the way: of the
-/// speed it arrives with.
-double slowed_by_bending(const Rig& rig, const ModalBeam& beam) {
+/// speed it arrives with. That is as much as its frequency, and more where a damper or friction
+/// hardly lets it arrive; infinite where a slower one does not.
+double slowed_by_bending(const Rig& rig, const ModalBeam& beam, double rate) {
   constexpr double small = 1e-4;  // [rad]
   const RigidSwing swing(rig);
   const double square =
       (swing.acceleration(-small, 0.0) - swing.acceleration(small, 0.0)) / (2.0 * small);
-  return square > 0.0 ? std::abs(beam.omega()[0] / std::sqrt(square) - 1.0) : 0.0;
+  if (!(square > 0.0)) return 0.0;
+  const double slower = std::abs(beam.omega()[0] / std::sqrt(square) - 1.0);
+  if (slower == 0.0) return 0.0;
+  Rig other = rig;
+  other.gravity *= (1.0 - slower) * (1.0 - slower);
+  other.hinge.spring *= (1.0 - slower) * (1.0 - slower);
+  const auto arrives = RigidSwing(other).rate_after_release(*rig.start.release_angle);
+  if (!arrives) return std::numeric_limits<double>::infinity();
+  return std::max(slower, std::abs(*arrives / rate - 1.0));
 }
 
 /// How fast the struck point would vibrate if what a damper in the hinge bends the bar by were let
@@ -70,6 +84,21 @@ double bent_by_damper(const ModalBeam& beam, double rate) {
           beam.struck().tail(bending).array())
       .matrix()
       .norm();
+}
+
+/// What friction in the hinge does to the speed of the struck point as the bar arrives: it bends
+/// the bar, which then vibrates as if let go, and the hinge turns less than a rigid bar's does, by
+/// which friction takes less of the little energy that it may have left. A part of the speed.
+double bent_by_friction(const Rig& rig, const ModalBeam& beam, double rate) {
+  const double friction = rig.hinge.friction;
+  if (friction == 0.0) return 0.0;
+  const auto bending = beam.modes() - 1;
+  const Eigen::ArrayXd omega = beam.omega().tail(bending).array();
+  const Eigen::ArrayXd turns = beam.hinge().tail(bending).array() / omega;
+  const double vibration = friction * (turns * beam.struck().tail(bending).array()).matrix().norm();
+  const double work = friction * friction * turns.square().sum();
+  return vibration / (rig.contact.position * rate) +
+         0.5 * work / (0.5 * rig.beam.hinge_inertia() * rate * rate);
 }
 
 /// The modes about touch.
@@ -158,19 +187,23 @@ Arrival arrive(const Rig& rig, const ModalBeam& beam) {
   }
   // not followed
   const double held_back = most_of_spring * spring_bending(rig) +
-                           most_of_damper * bent_by_damper(beam, rigid->rate) / speed;
-  const double slower = most_of_slowness * slowed_by_bending(rig, beam);
+                           most_of_damper * bent_by_damper(beam, rigid->rate) / speed +
+                           most_of_friction * bent_by_friction(rig, beam, rigid->rate);
+  arrival.slower = most_of_slowness * slowed_by_bending(rig, beam, rigid->rate);
   arrival.vibration = vibration + held_back;
   arrival.error =
       vibration < most_vibration
-          ? held_back + slower +
+          ? held_back + arrival.slower +
                 vibration *
                     (vibration + left_out(rig, *rigid, beam.omega().tail(bending).minCoeff()))
           : 1.0;
   return arrival;
 }
 
-std::optional<double> release_vibration(const Rig& rig) {
+namespace {
+
+/// By the slowest modes.
+std::optional<Arrival> arrive_roughly(const Rig& rig) {
   if (!beyond_small_motion(rig).empty() || spring_bends_bar(rig)) return std::nullopt;
   if (!RigidSwing(rig).arrive(*rig.start.release_angle)) return std::nullopt;
   Solver slowest;
@@ -178,7 +211,19 @@ std::optional<double> release_vibration(const Rig& rig) {
   slowest.basis = Basis::pinned_free;
   slowest.modes = 4;
   slowest.axial_modes = 0;
-  return arrive(rig, BarCache().bar(rig, slowest)->modes()).vibration;
+  return arrive(rig, BarCache().bar(rig, slowest)->modes());
+}
+
+}  // namespace
+
+std::optional<double> release_vibration(const Rig& rig) {
+  const std::optional<Arrival> arrival = arrive_roughly(rig);
+  return arrival ? std::optional(arrival->vibration) : std::nullopt;
+}
+
+std::optional<double> missed_by_rigid_swing(const Rig& rig) {
+  const std::optional<Arrival> arrival = arrive_roughly(rig);
+  return arrival ? std::optional(arrival->vibration + arrival->slower) : std::nullopt;
 }
 
 }  // namespace impactrig::models

@@ -24,6 +24,8 @@ struct Arrival {
   /// Of the modes, against a straight bar that turns like that (m); 0 of the pendulum's.
   ModalState bending{};
   double vibration = 0.0;  ///< the most of the struck point's speed that is vibration, a part of it
+  /// By how much less at most it arrives with than a rigid bar would, or more, likewise.
+  double slower = 0.0;
   /// What is left out of the speed, likewise, above all by what the swing's centrifugal force does
   /// to the phase of a vibration; 1 where the struck point may come back before it touches.
   double error = 0.0;
@@ -37,5 +39,8 @@ Arrival arrive(const Rig& rig, const ModalBeam& beam);
 /// most of it; none where small motion does not know the rig, its spring bends the bar, or it does
 /// not arrive.
 std::optional<double> release_vibration(const Rig& rig);
+
+/// The same of all of the speed that a rigid bar would not have: Arrival::slower too.
+std::optional<double> missed_by_rigid_swing(const Rig& rig);
 
 }  // namespace impactrig::models
