@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "models/modal/bar_cache.hpp"
@@ -57,7 +56,7 @@ double left_out(const Rig& rig, const RigidSwing::Arrival& arrival, double slowe
 
 /// How much slower the bar swings than a rigid one, which its weight bends on the way: of the
 /// speed it arrives with. That is as much as its frequency, and more where a damper or friction
-/// hardly lets it arrive; infinite where a slower one does not.
+/// hardly lets it arrive; 1 where a slower one does not.
 double slowed_by_bending(const Rig& rig, const ModalBeam& beam, double rate) {
   constexpr double small = 1e-4;  // [rad]
   const RigidSwing swing(rig);
@@ -70,7 +69,7 @@ double slowed_by_bending(const Rig& rig, const ModalBeam& beam, double rate) {
   other.gravity *= (1.0 - slower) * (1.0 - slower);
   other.hinge.spring *= (1.0 - slower) * (1.0 - slower);
   const auto arrives = RigidSwing(other).rate_after_release(*rig.start.release_angle);
-  if (!arrives) return std::numeric_limits<double>::infinity();
+  if (!arrives) return 1.0;
   return std::max(slower, std::abs(*arrives / rate - 1.0));
 }
 
